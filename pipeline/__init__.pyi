@@ -1,4 +1,4 @@
-# What the door has, for type checkers and editors, and where it is defined: __init__.py reads it too.
+# The names of this package, for type checkers and editors, and where they are defined. __init__.py reads it.
 
 from fixedpipe.pipeline.commands import Accum as Accum
 from fixedpipe.pipeline.commands import BindTexImage as BindTexImage

@@ -1,7 +1,7 @@
-"""Many Draws as one command: the runs of a mesh, each in a state with numbers of its own.
+"""Many Draws as one command. It draws runs of a mesh; each run has a state and numbers of its own.
 
 A program that draws a hundred objects gives a hundred Draws, each with a mesh and a state. A MultiDraw holds
-the same as arrays, so that Python does nothing for a single one of them.
+the same data as arrays, so that Python need not handle each object.
 """
 
 from collections.abc import Iterable
@@ -33,7 +33,7 @@ def _array(values, shape, name, rows):
 
 
 def _numbers(values, below, name, what):
-    """A read-only int64 array [n] of numbers from 0 to ``below - 1``."""
+    """A read-only int64 array [n] of numbers from 0 to ``below - 1``. Raises ValueError for other values."""
     array = np.array(values)
     if array.ndim != 1 or not (array.dtype.kind in "iu" or array.size == 0):
         raise ValueError(f"{name} has shape {array.shape} and type {array.dtype}; give a list of integers.")
@@ -46,7 +46,7 @@ def _numbers(values, below, name, what):
 
 
 def _check_runs(mesh):
-    """Raises ValueError for a mesh that cannot be cut into its runs; ``validate`` checks all else of it."""
+    """Raise ValueError if a mesh cannot be cut into its runs. ``validate`` checks the rest of the mesh."""
     vertices = len(np.atleast_1d(mesh.positions))
     arrays = [(name, getattr(mesh, name)) for name in _PER_VERTEX]
     arrays += [(f"texture coordinate set {k}", array) for k, array in enumerate(mesh.texture_coordinates)]
@@ -72,21 +72,21 @@ def _check_runs(mesh):
 class MultiDraw:
     """Draw runs of a mesh, one after the other (EXT_multi_draw_arrays), each in a state with its own numbers.
 
-    It stands in a frame for the commands of ``draws``, and every machine draws what these draw, bit for bit.
-    It draws as fast as its vertices and fragments allow where ``Machine`` needs nothing but the pictures:
+    A frame may hold it instead of the Draws that ``draws`` returns; every machine draws the same bits. If
+    ``Machine`` needs only the pictures, its time depends only on its vertices and fragments. This holds for
     unlit triangles without fog and texture generation, on machines of 8 bits.
 
     - ``label``: str, as in Draw.
     - ``mesh``: Mesh. Its ``counts`` are the lengths of its runs; without them it is one run.
     - ``states``: tuple of PassState.
-    - ``runs``: int64 [n], the run that each row draws. At first: all of the mesh's, in order.
-    - ``state_numbers``: int64 [n], the place in ``states`` of each row's state. At first: 0.
-    - ``modelview``: float64 [n, 4, 4], each row's modelview matrix in place of its state's, or None.
-    - ``constant_color0``, ``constant_color1``: float64 [n, 4], each row's constant colours in place of its
-      state's register combiners', or None.
+    - ``runs``: int64 [n], the run that each row draws. Default: all runs of the mesh, in order.
+    - ``state_numbers``: int64 [n], the index in ``states`` of each row's state. Default: 0.
+    - ``modelview``: float64 [n, 4, 4], each row's modelview matrix, which replaces its state's; or None.
+    - ``constant_color0``, ``constant_color1``: float64 [n, 4], each row's constant colours, which replace
+      those of its state's register combiners; or None.
 
     Arrays are copied and made read-only. Raises ValueError for other shapes, numbers that are not finite, a
-    run or a state that there is not, and constant colours of a state without register combiners.
+    run or a state that does not exist, and constant colours for a state without register combiners.
     """
 
     label: str
@@ -140,11 +140,11 @@ class MultiDraw:
             object.__setattr__(self, name, value)
 
     def __len__(self) -> int:
-        """How many Draws it stands for."""
+        """The number of Draws that it replaces."""
         return len(self.runs)
 
     def draws(self) -> tuple[Draw, ...]:
-        """The Draws that it stands for, in order. Rows of one run share a Mesh."""
+        """The Draws that it replaces, in order. Rows with the same run share a Mesh."""
         rows = RowDraws(self)
         return tuple([rows[row] for row in range(len(self))])
 
@@ -153,7 +153,7 @@ _OF_STATES = "state_numbers", "states"
 
 
 class RowDraws:
-    """The Draw that each row of a MultiDraw stands for, made when it is asked for."""
+    """The Draws that the rows of a MultiDraw replace. Indexing makes a row's Draw."""
 
     def __init__(self, command: MultiDraw):
         self._of = command
@@ -179,7 +179,7 @@ class RowDraws:
 
 
 def with_draws(commands: Iterable[Command | MultiDraw]) -> tuple[Command, ...]:
-    """The commands, with the Draws that a MultiDraw stands for in its place."""
+    """The commands, in which its Draws replace each MultiDraw."""
     found: list[Command] = []
     for command in commands:
         if isinstance(command, MultiDraw):
@@ -196,7 +196,7 @@ _PER_VERTEX = (
 
 
 def _mesh_of_run(mesh, run):
-    """A run of a mesh as a mesh of its own, with the vertices that it uses and those between."""
+    """A run of a mesh as a Mesh, with all vertices from the first to the last one that it uses."""
     if mesh.counts is None:
         return mesh
     begin = sum(mesh.counts[:run])

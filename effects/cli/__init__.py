@@ -1,4 +1,4 @@
-"""``fixedpipe``: one subcommand per file, imported on use, so that ``--help`` is quick."""
+"""``fixedpipe``: one subcommand per file. A file is imported only on use, so ``--help`` is quick."""
 
 import gc
 import importlib
@@ -90,16 +90,16 @@ What to do next:
   fixedpipe --help              print all commands and options"""
 
 
-# Warnings of what is drawn, and of kernels that are compiled and not kept.
+# Warnings about drawings, and about compiled kernels that could not be stored.
 _SAID = ("DisabledTexture", "StoredAlpha", "KernelsNotKept")
 
 
 def _say(otherwise):
-    """How warnings are shown: those of what is drawn as a sentence, and only once; ``otherwise`` the rest."""
+    """A function that shows warnings: those of _SAID once, as a sentence; ``otherwise`` shows the others."""
     said = set()
 
     def show(message, category, *where, **more):
-        if category.__name__ not in _SAID:  # by name, as their modules load an array library
+        if category.__name__ not in _SAID:  # by name, because their modules load an array library
             otherwise(message, category, *where, **more)
         elif (sentence := str(message)) not in said:
             said.add(sentence)
@@ -110,7 +110,7 @@ def _say(otherwise):
 
 @contextmanager
 def _reading_said():
-    """What files were taken for is shown, a line for each."""
+    """While the block runs, print a line for each file that says what it was read as."""
     from logging import INFO, Handler, getLogger
 
     said = set()
@@ -146,19 +146,21 @@ class LazyGroup(click.Group):
         return getattr(importlib.import_module(f"fixedpipe.effects.cli.{cmd_name}"), cmd_name)
 
     def resolve_command(self, ctx, args):
-        """The subcommand that is asked for; for a name that is none, the one that may have been meant."""
+        """The subcommand that the user named. For an unknown name, a Refusal suggests a similar one."""
         from fixedpipe.effects.refusal import choose
 
         choose("command", args[0], dict.fromkeys(_COMMANDS))
         return super().resolve_command(ctx, args)
 
     def make_context(self, *arguments, **settings):
-        """The group's context; what it cannot read of the command line is said as Refusals are."""
+        """The group's context. Errors in the command line are printed in the same form as Refusals."""
         with said():
             return super().make_context(*arguments, **settings)
 
     def invoke(self, ctx):
-        """Run the subcommand; a Refusal or a wrong option becomes a sentence and status 2, a warning one."""
+        """Run the subcommand. A Refusal or a wrong option prints a sentence and gives exit status 2. A
+        warning prints a sentence.
+        """
         ctx.with_resource(warnings.catch_warnings())
         warnings.showwarning = _say(warnings.showwarning)
         ctx.with_resource(_reading_said())
@@ -176,8 +178,8 @@ class LazyGroup(click.Group):
 @click.pass_context
 def main(context):
     """The graphics hardware of 1997-2001, emulated bit for bit: figures of papers, pictures of your own."""
-    # Importing makes some hundred thousand objects that stay: looking for garbage among them again and again
-    # is a twentieth of a figure's time.
+    # Imports make some hundred thousand objects that stay. If the garbage collector looked at them again and
+    # again, it would take a twentieth of a figure's time.
     gc.set_threshold(100_000)
     if context.invoked_subcommand is None:
         click.echo(_WELCOME)

@@ -1,4 +1,4 @@
-"""``fixedpipe animate``: a figure that moves: its light, its camera, its bits, as a lossless animation."""
+"""``fixedpipe animate``: an animation of a figure, in which its light, its camera or its bits change."""
 
 from pathlib import Path
 
@@ -162,7 +162,7 @@ _PICTURE = "picture"
 
 
 def _tasks(figure_id, figure, key, frames, size, settings):
-    """A Task for each frame; arguments as of ``picture_there``, and the Figure."""
+    """A Task for each frame. The arguments are those of ``picture_there``, and the Figure."""
     from fixedpipe.effects.tasks.environment import file_digests, whole_inputs
     from fixedpipe.effects.tasks.task import Task
 
@@ -181,9 +181,9 @@ def _tasks(figure_id, figure, key, frames, size, settings):
 
 
 def picture_there(figure_id, key, changes, bits, size, settings):
-    """A frame, drawn by a worker: no value, and as a file its picture, uint8 [h, w, 3], packed.
+    """Draw a frame in a worker. Returns no value, and the picture, uint8 [h, w, 3], as a packed file.
 
-    changes, bits  as of a ``variation.Frame``
+    changes, bits  those of a ``variation.Frame``
     settings       the texts of --set
     """
     from fixedpipe.effects.presentation.variation import Frame, picture_of
@@ -198,7 +198,7 @@ def picture_there(figure_id, key, changes, bits, size, settings):
 
 
 def _tracks(moves, figure, method):
-    """(Tracks by name, how many STEPS they say or None) of --vary. Raises Refusal."""
+    """(Tracks by name, their number of STEPS or None), from --vary. Raises Refusal."""
     from fixedpipe.effects.presentation.variation import Track, moving
     from fixedpipe.effects.refusal import Refusal
 

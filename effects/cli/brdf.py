@@ -178,7 +178,7 @@ def brdf(
 
 
 def _form_of(out):
-    """The form that a file's ending says. Raises Refusal for any other."""
+    """The format that a file's ending names. Raises Refusal for any other ending."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.user_pictures.simulated_brdf import ENDINGS
 
@@ -192,7 +192,7 @@ def _form_of(out):
 
 
 def _albedo(text):
-    """A number or three from ``A`` or ``R,G,B``. Raises Refusal."""
+    """One number or three, from ``A`` or ``R,G,B``. Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal
 
     try:
@@ -205,21 +205,21 @@ def _albedo(text):
 
 
 def _refuse_same(path, other, what):
-    """Raise Refusal where both are one file."""
+    """Raise Refusal if both names are of the same file."""
     import os
 
     from fixedpipe.effects.refusal import Refusal
 
     try:
         one = os.path.samefile(path, other)
-    except (OSError, ValueError):  # a file that is not there
+    except (OSError, ValueError):  # one of the files does not exist
         one = Path(path) == Path(other)
     if one:
         raise Refusal(f"{path} is {other}, {what}; give another name.")
 
 
 def _simulated(field, directions, bounces, grid, folder, executor):
-    """The dense BRDF, with a bar that says how far it is."""
+    """The dense BRDF. A progress bar shows how much of it is simulated."""
     from fixedpipe.effects.cli.progress import progress
     from fixedpipe.effects.user_pictures import simulated_brdf
 

@@ -1,4 +1,4 @@
-"""``fixedpipe cache``: where compiled kernels are kept, how to remove them, how to take them elsewhere."""
+"""``fixedpipe cache``: print where compiled kernels are stored, remove them, or move them elsewhere."""
 
 import os
 import subprocess
@@ -56,7 +56,7 @@ def pack(file, level):
     if chosen.is_compiled_for():
         write_tested(Path(file), chosen)
         return
-    # Numba reads for which processor it compiles when it is imported.
+    # Numba chooses the processor that it compiles for when it is imported.
     command = [sys.executable, "-m", "fixedpipe.effects.cli", "cache", "pack", file, "--level", chosen.name]
     status = subprocess.run(command, env=os.environ | chosen.environment(), check=False).returncode
     if status:

@@ -1,4 +1,4 @@
-"""``fixedpipe combiners``: a combiner or pixel shader program of the time, checked and in words."""
+"""``fixedpipe combiners``: check a combiner or pixel shader program of the time, and print it in words."""
 
 from math import isfinite
 
@@ -94,7 +94,7 @@ def combiners(file, profile, targets, notation, constants, draw, bounds, table, 
     machine = None if profile is None else choose("profile", profile, PROFILES)
     bound = _targets(targets)
     try:
-        # Of the time: comments in any encoding, which the notations skip.
+        # Files of the time have comments in any encoding. The notations skip comments.
         program = parse_program(
             read_text(file, otherwise="latin-1"),
             bound,
@@ -125,7 +125,7 @@ def combiners(file, profile, targets, notation, constants, draw, bounds, table, 
         except UnsupportedState as error:
             raise Refusal(program.tell(str(error))) from error
     if is_dump and (notation or json_file):
-        # A dump is read by rules that notes name; what is printed has no room for them.
+        # Notes name the rules by which a dump was read. The printed text has no place for them.
         for note in program.notes:
             click.echo(f"note: {note}", err=True)
     if notation:
@@ -156,7 +156,7 @@ def combiners(file, profile, targets, notation, constants, draw, bounds, table, 
 
 
 def _per_stage_constants(machine):
-    """Whether a program's combiners have constants of their own; a machine without combiners refuses them."""
+    """Whether each combiner has constants of its own. A machine without combiners refuses them elsewhere."""
     return (
         machine is None
         or not machine.combiners.max_general_combiners
@@ -165,7 +165,9 @@ def _per_stage_constants(machine):
 
 
 def _clamped(program, machine):
-    """(number, portion, register) of what the machine's clamp may change: of the NV2A where there is none."""
+    """(number, portion, register) of each output that the clamp of the machine may change. Without a machine,
+    the NV2A's clamp counts.
+    """
     from fixedpipe.pipeline.inspection.bounds import combiner_bounds
     from fixedpipe.pipeline.profiles import NV2A
 
@@ -181,7 +183,7 @@ def _clamped(program, machine):
 
 
 def _colors(options):
-    """{number: color} of every ``N=R,G,B,A``. Raises Refusal for what is none."""
+    """{number: color} of every ``N=R,G,B,A``. Raises Refusal for another form."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.pipeline.notations.xbox_pixel_shaders import CONSTANT_COUNT
 
@@ -232,7 +234,7 @@ def _tell_bounds(combiners, machine):
 
 
 def _targets(options):
-    """{unit: TextureTarget} of every ``UNIT=TARGET``. Raises Refusal where a unit is given twice."""
+    """{unit: TextureTarget} of every ``UNIT=TARGET``. Raises Refusal if a unit has two targets."""
     from fixedpipe.effects.refusal import Refusal
 
     found = {}
@@ -255,8 +257,8 @@ def _target(given):
 
 
 def _text(program, notation):
-    """The program in the notations of nvparse's own, "rc", its texture shaders alone, "ts", as a pixel
-    shader, "ps", or as the NV2A's registers, "nv2a".
+    """The program in a notation: "rc" (nvparse's own notations), "ts" (only its texture shaders, for
+    nvparse), "ps" (a pixel shader) or "nv2a" (the NV2A's registers).
     """
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.pipeline.notations.nv2a_registers import format_registers

@@ -1,4 +1,4 @@
-"""``fixedpipe compare``: the command and stage at which two frames, or two histories of a pixel, diverge."""
+"""``fixedpipe compare``: find the command and stage where two frames, or two pixel histories, diverge."""
 
 import click
 
@@ -49,7 +49,7 @@ def compare(what, other, machines, size, out, settings):
     check_plots("--out", out)
     check_files(out)
     announce_compiling()
-    for frame in frames:  # first, because they say by which methods a figure's machines draw it
+    for frame in frames:  # first, because the titles name the methods by which the machines draw it
         click.echo(frame.title)
     with refusals():
         runs = [Run(tuple(frame.commands), frame.machine) for frame in frames]
@@ -77,7 +77,7 @@ def compare(what, other, machines, size, out, settings):
 
 
 def _compare_histories(*paths):
-    """Two files of ``fixedpipe inspect --json``."""
+    """Compare two files of ``fixedpipe inspect --json``."""
     from fixedpipe.effects.cli.options import refuse_ignored
     from fixedpipe.effects.refusal import Refusal
 
@@ -100,7 +100,7 @@ def _compare_histories(*paths):
 
 
 def _history(path):
-    """A history as JSON has it. Raises Refusal where the file is none."""
+    """The JSON value of a history. Raises Refusal if the file holds no history."""
     import json
 
     from fixedpipe.effects.refusal import Refusal
@@ -118,7 +118,7 @@ def _history(path):
 
 
 def _where_histories_part(first, second):
-    """(place in words, the values there) of the first number or word that differs; None: none does."""
+    """(place in words, the values there) of the first number or word that differs; None if none differs."""
     leaves = [dict(_leaves(history, ())) for history in (first, second)]
     for place in {**leaves[0], **leaves[1]}:
         values = [each.get(place, "nothing") for each in leaves]
@@ -128,7 +128,7 @@ def _where_histories_part(first, second):
 
 
 def _leaves(value, place):
-    """(place in words, number or word) of everything in a history, in the order of the computation."""
+    """(place in words, number or word) of each value in a history, in the order of the computation."""
     parts = next((of(value) for kind, of in _PARTS if isinstance(value, kind)), ())
     if not parts:
         yield place, value
@@ -138,7 +138,7 @@ def _leaves(value, place):
 
 
 def _step(key, part):
-    """A step on the way to a number: of a list's item its title and place, of other things their name."""
+    """A step on the way to a number: for an item of a list its title and place, otherwise the name."""
     if key in _GROUPS:
         return ()
     if not isinstance(key, int):
@@ -149,7 +149,7 @@ def _step(key, part):
 
 
 _PARTS = ((dict, dict.items), (list, lambda items: tuple(enumerate(items))))
-# Lists of what is told by its own title; a history's machine may be another's.
+# Lists whose items have titles of their own; and fields that may differ, such as the machine.
 _GROUPS, _NOT_COMPARED = ("touched", "stages"), ("profile", "label")
 
 
@@ -157,7 +157,7 @@ _SCALES = {"color": (255, "/255"), "depth": (1, ""), "stencil": (1, "")}
 
 
 def _stage(stage):
-    """A stage and what it made, in a line."""
+    """A stage and the values that it made, in a line."""
     from fixedpipe.pipeline.inspection.words import cells
 
     if stage is None:

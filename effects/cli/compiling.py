@@ -1,4 +1,4 @@
-"""The one long wait: kernels are compiled when they are first needed, and again after a change of them."""
+"""Messages about compiling. Kernels are compiled when they are first needed, and again when they change."""
 
 import time
 from functools import cache, partial
@@ -11,13 +11,13 @@ _COLD = "Compiling the kernels for this machine. This happens once, and after a 
 _BESIDE = "Another process does it; until then pictures are drawn without them: slowly, the same bits."
 _LEFT = "Done. Kernels for the next command are still being compiled; Ctrl-C leaves them to it."
 _MORE = "Compiling kernels that nothing needed before."
-COMPILING = "fixedpipe.compiling"  # of click's Context.meta: called when a command has done its work
-_SECONDS = 5.0  # between lines, where there is no terminal
+COMPILING = "fixedpipe.compiling"  # key in click's Context.meta: a function to call after a command's work
+_SECONDS = 5.0  # between lines, if there is no terminal
 
 
 def said_now_and_then():
-    """A function that is called with the name of each kernel that is compiled, and says some of them: lines,
-    where there is no terminal.
+    """A function to call with the name of each kernel that is compiled. It prints some of the names as lines,
+    for use without a terminal.
     """
     line_at = -_SECONDS
 
@@ -31,7 +31,9 @@ def said_now_and_then():
 
 
 class _Shown:
-    """What is being compiled: a bar on a terminal, lines elsewhere. ``said``: a sentence stands above it."""
+    """Shows which kernel is compiled: a bar on a terminal, otherwise lines. ``said``: whether a sentence was
+    printed above it.
+    """
 
     def __init__(self, said):
         self.said, self.bar, self.task, self.line_at = said, None, None, -_SECONDS
@@ -62,18 +64,18 @@ class _Shown:
         bar = Progress(*columns, TimeElapsedColumn(), console=error_console(), transient=True)
         try:
             bar.start()
-        except LiveError:  # beside a figure's bar, where rich has one at a time
+        except LiveError:  # a figure's bar is shown, and this version of rich shows only one bar
             return
         self.bar, self.task = bar, bar.add_task("", total=None)
 
 
 @cache
 def announce_compiling(engine="vector"):
-    """Say so where kernels have still to be compiled, and show how many are. Call it before anything imports
-    an engine; once is enough.
+    """If kernels are not compiled yet, print a sentence, and show how many are compiled. Call it once, before
+    any module imports an engine.
 
-    engine    that most of the command is drawn by: where it has to be compiled, another process does, and
-              this one does not wait (``fixedpipe.pipeline.native.background_compiling``); None: it waits
+    engine    the engine that draws most of the command. If it is not compiled, another process compiles it,
+              and this one does not wait (``fixedpipe.pipeline.native.background_compiling``); None: it waits
     """
     from fixedpipe.pipeline.golden.provenance import kernels_are_cold
     from fixedpipe.pipeline.native.background_compiling import compile_beside
@@ -93,7 +95,7 @@ def announce_compiling(engine="vector"):
 
 
 def _wait(compiling, shown):
-    """What a command does when its work is done: the next does not wait for what this one could compile."""
+    """After a command's work, wait until its kernels are compiled, so that the next command need not wait."""
     click.echo(_LEFT, err=True)
     try:
         compiling.wait(shown.begin)

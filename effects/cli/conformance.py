@@ -141,7 +141,7 @@ def conformance(
     from fixedpipe.effects.reports.scoreboard_page import ScoreboardPage
     from fixedpipe.pipeline.validation.walk import DisabledTexture
 
-    warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
+    warnings.simplefilter("ignore", DisabledTexture)  # the captures show what a chip draws in this case
     modules, inputs = known_suites(), Inputs(inputs)
     if discriminates:
         if html_file or other or explain or executor or threads or manifest:
@@ -200,7 +200,7 @@ def conformance(
 
 
 def _refuse_one_file(written):
-    """Raise Refusal where two options name one file. ``written``: files, or None, by option."""
+    """Raise Refusal if two options name the same file. ``written``: files, or None, by option."""
     from fixedpipe.effects.refusal import Refusal
 
     seen = {}
@@ -220,7 +220,7 @@ def _folder_of_other(other):
 
 
 def _explained(case, module, inputs):
-    """What drew the worst pixel of a case that is not exact: the last command that changed it, and stages."""
+    """Text on the worst pixel of a case that is not exact: the last command that changed it, and stages."""
     import numpy as np
 
     from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
@@ -248,7 +248,7 @@ def _explained(case, module, inputs):
 
 
 def _line(case):
-    """What is said of one case: its pixels, and why if not all agree."""
+    """The line of one case: how many pixels agree, and if not all, why."""
     if not case.covered:
         said = f"{'error' if case.failed else 'not covered'}: {case.note}"
     else:
@@ -267,7 +267,7 @@ def _list_suites():
 
 
 def _folder_of_captures(folder):
-    """The folder given, or the environment's; Refusal where it is none."""
+    """The given folder, or the one of the environment variable. Raises Refusal if it does not exist."""
     from fixedpipe.effects.refusal import Refusal
 
     folder = folder or os.environ.get("FIXEDPIPE_CAPTURES")
@@ -282,7 +282,9 @@ def _folder_of_captures(folder):
 
 
 def _folder_of_inputs(inputs, folder):
-    """Where textures and meshes lie: as given, the environment's, or beside the captures; None: nowhere."""
+    """The folder of textures and meshes: the given one, the one of the environment variable, or one near the
+    captures; None if there is none.
+    """
     from fixedpipe.effects.refusal import Refusal
 
     given = inputs or os.environ.get("FIXEDPIPE_INPUTS")
@@ -294,7 +296,9 @@ def _folder_of_inputs(inputs, folder):
 
 @contextmanager
 def _progress(cases):
-    """Two functions: print a line; name the case just compared, on a terminal's progress bar."""
+    """Yields two functions. One prints a line. The other names the case that was just compared, on the
+    progress bar of a terminal.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = error_console()
@@ -308,6 +312,6 @@ def _progress(cases):
         def above_the_bar(line):
             console.print(line, markup=False, soft_wrap=True)
 
-        # What is piped stays in the pipe; what goes to the same terminal must not run into the bar.
+        # If the output is piped, it goes to the pipe. On the same terminal it must not overwrite the bar.
         say = above_the_bar if sys.stdout.isatty() else click.echo
         yield say, lambda text: progress.update(task, description=text, advance=1)

@@ -6,7 +6,7 @@ import click
 
 
 def tell_answers(name, json_file):
-    """Print which facts stand by the answers of file ``name``. Raises Refusal for a file that is none."""
+    """Print which facts the answers in the file ``name`` confirm. Raises Refusal for a wrong file."""
     from fixedpipe.effects.cli.frames import check_files, write_file
     from fixedpipe.effects.conformance.answers import read_answers
     from fixedpipe.effects.user_pictures.inputs import read_text

@@ -1,4 +1,4 @@
-"""Captures that decide between an open rule of the arithmetic and its rival: ``--discriminates``."""
+"""``--discriminates``: find captures that decide between an open rule of the arithmetic and its rival."""
 
 import json
 
@@ -14,7 +14,9 @@ def list_rules():
 
 
 def tell_distinctions(name, captures, modules, inputs, json_path, progress):
-    """Print the captures that distinguish the rule ``name``. Raises Refusal for one that is none."""
+    """Print the captures that distinguish the rule ``name`` from its rival. Raises Refusal if there is no
+    such rule.
+    """
     from fixedpipe.effects.conformance.rules import RULES
     from fixedpipe.effects.refusal import choose
     from fixedpipe.effects.reports.files import write_whole
@@ -60,7 +62,7 @@ def _by_pictures(rule, captures, modules, inputs, say, step):
 
 
 def _by_fragments(rule, captures, modules, inputs, say, step):
-    """Cases some of whose fragments depend on the rule."""
+    """Cases with fragments that depend on the rule."""
     from fixedpipe.effects.conformance.case import MissingInput
     from fixedpipe.effects.conformance.rules import fragments_that_differ
 

@@ -1,4 +1,4 @@
-"""``fixedpipe environment``: a user's panorama or light probe as a cube map, a parabolic map, or filtered."""
+"""``fixedpipe environment``: make cube maps, parabolic or filtered maps of a panorama or a light probe."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""The options of long work: --executor, where it is computed, and --manifest, where it is kept."""
+"""The options of long work: --executor says where it is computed, and --manifest where it is stored."""
 
 from contextlib import ExitStack, contextmanager
 
@@ -25,10 +25,10 @@ manifest_option = click.option(
 def kept_work(executor, manifest, about, threads=None):
     """(Workers or None, Manifest or None) while the block runs.
 
-    executor, manifest  as the options have them
-    about               what work it is, in words, which the manifest holds
+    executor, manifest  the values of the options
+    about               a description of the work, which the manifest stores
 
-    Raises Refusal as ``workers_of`` and ``Manifest``.
+    Raises Refusal in the same cases as ``workers_of`` and ``Manifest``.
     """
     from fixedpipe.effects.tasks.manifest import Manifest
 
@@ -41,8 +41,8 @@ def kept_work(executor, manifest, about, threads=None):
 
 @contextmanager
 def workers_of(text, threads=None):
-    """The Workers that --executor names while the block runs, or None where it was not given. Workers that
-    are left out are named on the error stream. Raises Refusal.
+    """The Workers that --executor names while the block runs, or None if it was not given. The error stream
+    names the workers that are left out. Raises Refusal.
     """
     from fixedpipe.effects.tasks.executors import opened
 

@@ -1,4 +1,4 @@
-"""``fixedpipe figures``: render figures on a machine and on the ideal, check them, and make a gallery."""
+"""``fixedpipe figures``: draw figures on a machine and on the ideal, check them, and make a gallery."""
 
 import itertools
 import json
@@ -12,7 +12,7 @@ from fixedpipe.effects.cli.options import refuse_beside, set_option, threads_opt
 from fixedpipe.effects.cli.progress import error_console
 from fixedpipe.pipeline.messages import count
 
-# What --profile calls the machine that a figure's paper used.
+# The value of --profile for the machine that a figure's paper used.
 PAPER = "paper"
 
 
@@ -166,11 +166,11 @@ def figures(
     results = results_folder()
     if former := set_aside(folder, FIGURES):
         click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
-    ids = tuple(dict.fromkeys((*FIGURES, *files_of_users, *own_ids(folder))))  # of the gallery
+    ids = tuple(dict.fromkeys((*FIGURES, *files_of_users, *own_ids(folder))))  # the gallery's figures
     before = itertools.chain.from_iterable(files_of(folder, ids))
     before, records, orders, firsts = list(before), {}, {}, {}
     for figure in chosen:
-        # Another value, or the figure, may be a file of the user's, whose content no digest here covers.
+        # A value of --set, or the figure, may be a user's file. No digest here covers its content.
         made_from, file = None, files_of_users.get(figure.id)
         if not (settings or file):
             what = figure.id, machines[figure.id], sizes[figure.id], check
@@ -192,7 +192,7 @@ def figures(
             orders[figure.id] = Order(*order, results=results)
     if kept := len(chosen) - len(orders):
         click.echo(f"{count(kept, 'figure')} did not change and stay; --again draws all.", err=True)
-    # Of all figures there is a picture each before the rest is drawn.
+    # If all figures are drawn, the first round draws a picture of each before the rest is drawn.
     for order in () if figure_ids or executor else orders.values():
         first = order.first()
         if first and (again or not unchanged(folder, first.id, first.inputs)):
@@ -203,7 +203,7 @@ def figures(
     jobs = 1 if settings else min(len(left), jobs or processors)
     own_sizes = size is None and not settings
     if left:
-        # Several processes share the compiling, and a check is drawn by both engines.
+        # Several processes share the compiling, and a check draws with both engines.
         if not executor:
             announce_compiling("vector" if jobs == 1 and not check else None)
         known = read_times(results if own_sizes else None)
@@ -245,7 +245,7 @@ def figures(
     failures = [f"{record['id']}: {sentence}" for record in records for sentence in in_words(record)]
     failures += [f"{i}: not begun, because the disc is full" for i in missing]
     failures += _write_page(folder, ids)
-    # Of all figures hundreds pass; the gallery has them.
+    # If all figures are drawn, hundreds of checks pass; the gallery shows them.
     passed, failed = _print_checks(records, only_failed=not figure_ids)
     if check:
         click.echo(f"{count(passed, 'acceptance check')} passed.")
@@ -265,7 +265,7 @@ def figures(
 
 
 def _plates(png, supersample, gutter, inset):
-    """The Plates of --png, None without it. Raises Refusal for what would finish pictures without it."""
+    """The Plates of --png, None without it. Raises Refusal for options that need --png, without --png."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.files import writable_folder
     from fixedpipe.effects.reports.plates import Inset, Plates
@@ -284,8 +284,8 @@ def _plates(png, supersample, gutter, inset):
 
 
 def _chosen(words):
-    """The figures that are asked for, by id or by file, all of the package where none is; second, the files
-    of those of users, by id.
+    """(figures, files): the figures that ``words`` name by id or by file, and the files of users' figures, by
+    id. Without words, all figures of the package.
     """
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import Refusal
@@ -301,8 +301,8 @@ def _chosen(words):
 
 
 def _write_page(folder, figures):
-    """Write the gallery's page of ``figures``, ids in its order; returns what stood in the way, none or one
-    sentence.
+    """Write the gallery's page of ``figures``, ids in the page's order. Returns a list: empty, or one
+    sentence that says why the page could not be written.
     """
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.figure_files import write_page
@@ -315,7 +315,9 @@ def _write_page(folder, figures):
 
 
 def _plan(chosen, early, machines, check, own_sizes, jobs, executor, known):
-    """What is coming: how many figures, on how many machines, and how long it takes. ``known``: OwnTimes."""
+    """A sentence before the work: how many figures, on how many machines, and how long it takes. ``known``:
+    OwnTimes.
+    """
     from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS
 
     drawings = sum(len(names) for names in machines.values())
@@ -345,9 +347,9 @@ def _plan(chosen, early, machines, check, own_sizes, jobs, executor, known):
 
 
 def _after_the_first_round(folder, chosen, early, machines, times, jobs):
-    """What is there now and what is to come, in two sentences.
+    """A text after the first round: which pictures exist now, and how long the rest takes.
 
-    ``times``: OwnTimes, of the first round now and of the second in runs before; false: of no use here.
+    ``times``: OwnTimes of this run's first round and of earlier runs' second round; false: not usable here.
     """
     from fixedpipe.effects.figures.costs import SECONDS, seconds_of
 
@@ -360,7 +362,7 @@ def _after_the_first_round(folder, chosen, early, machines, times, jobs):
     return f"{said}; Ctrl-C keeps what is there."
 
 
-# From so many figures on a run says a few times how long it still takes.
+# A run of at least so many figures prints a few times how long it still takes.
 _MANY = 12
 
 
@@ -370,7 +372,7 @@ def _quarters(number):
 
 
 def _on_the_way(chosen, orders, machines, times, jobs):
-    """How many figures are whole, and how long the others take at the speed of these."""
+    """A sentence: how many figures are finished, and how long the others take at the speed of these."""
     from fixedpipe.effects.figures.costs import SECONDS
 
     left = [figure for figure in chosen if figure.id in orders]
@@ -389,8 +391,8 @@ def _time(seconds):
 
 
 def _machines(figure, profiles, is_named):
-    """The machines of ``profiles`` that can draw the figure; none given: all that can. Where the figure was
-    asked for by its name and none of them can, a ValueError says where it can be drawn.
+    """The machines of ``profiles`` that can draw the figure; if ``profiles`` is empty, all that can. If a
+    user named the figure and none of them can draw it, a ValueError names the machines that can.
     """
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -403,8 +405,8 @@ def _machines(figure, profiles, is_named):
 
 @contextmanager
 def _progress(steps):
-    """Three functions: two say what is being done, as steps begin and as kernels are compiled by other
-    processes, on a progress bar on a terminal, else by a line per step. The third says a sentence that stays.
+    """Yields three functions. The first shows each step that begins, the second each kernel that another
+    process compiles: on a progress bar on a terminal, otherwise as lines. The third prints a sentence.
     """
     from fixedpipe.effects.cli.compiling import said_now_and_then
 
@@ -436,7 +438,7 @@ def _progress(steps):
 
 
 def _print_checks(records, only_failed):
-    """Print every check, or those that failed, with value and bound; returns how many passed and failed."""
+    """Print every check, or only failed ones, with value and bound. Returns how many passed and failed."""
     passed = failed = 0
     for record in records:
         for drawn in record["machines"]:

@@ -1,4 +1,4 @@
-"""The frame that a subcommand examines: a figure's, the one that a script makes, or one of a trace."""
+"""The frame that a subcommand examines: the frame of a figure, of a script or of a trace."""
 
 import re
 
@@ -8,20 +8,22 @@ from fixedpipe.effects.cli.options import changes_of, machine_of
 
 
 class FrameAsked:
-    """A frame to look into: a title, and how it runs.
+    """A frame that a user wants to examine: a title, a machine, a size and commands.
 
-    ``commands_of``: a function of a machine, or of the ideal, that gives the commands.
+    ``commands_of``: a function that returns the commands for a machine, or for the ideal.
     """
 
     def __init__(self, title, machine, size, commands_of):
         from fixedpipe.pipeline.profiles import IDEAL
 
         self.title, self.machine, self.size, self.commands_of = title, machine, size, commands_of
-        self.exact, self.unclamped = (), ()  # stages that are computed otherwise
+        self.exact, self.unclamped = (), ()  # stages that are computed without rounding, or without a clamp
         self.commands, self.ideal = commands_of(machine), commands_of(IDEAL)
 
     def change(self, what_if):
-        """Change one or more things of it: ``what_if`` as ``what_if_options`` makes it. Raises Refusal."""
+        """Change the machine, the stages or the commands. ``what_if``: as ``what_if_of`` returns it. Raises
+        Refusal.
+        """
         from fixedpipe.effects.refusal import refusals
         from fixedpipe.pipeline.inspection import what_if as changes
         from fixedpipe.pipeline.profiles import IDEAL
@@ -46,7 +48,7 @@ class FrameAsked:
             self.commands, self.ideal = changed(machine), changed(IDEAL)
 
     def run(self, surface):
-        """The RecordedFrame, and the RecordedIdeal where there is one."""
+        """(RecordedFrame, RecordedIdeal). The second is None for a pbuffer, or if the ideal cannot draw."""
         from fixedpipe.pipeline.inspection.ideal import record_ideal
         from fixedpipe.pipeline.inspection.recording import record
         from fixedpipe.pipeline.profiles import IDEAL
@@ -58,7 +60,7 @@ class FrameAsked:
             return frame, None
         try:
             validate(self.ideal, IDEAL, *self.size)
-        except UnsupportedState:  # what only machines draw
+        except UnsupportedState:  # only machines can draw this frame
             return frame, None
         return frame, record_ideal(self.ideal, frame, self.commands)
 
@@ -69,13 +71,13 @@ _MACHINE_OF_TRACES = "GEFORCE_256"
 
 
 def is_own_frame(what):
-    """Whether a frame is a script's or a trace's, and no figure's."""
+    """Whether ``what`` names a script or a trace, and not a figure."""
     return what.endswith(".py") or _TRACE.fullmatch(what) is not None
 
 
 def frame_asked(what, profile, size, settings):
-    """The FrameAsked of figure ID, of SCRIPT.py or of FILE.trace#N. ``profile``: a machine's name, or None;
-    ``size``, or None, and ``settings``: a figure's. Raises Refusal.
+    """The FrameAsked of figure ID, of SCRIPT.py or of FILE.trace#N. ``profile``: a machine's name, or None.
+    ``size`` (or None) and ``settings`` are only for a figure. Raises Refusal.
     """
     return (script_frame if is_own_frame(what) else _figure)(what, profile, size, settings)
 
@@ -98,7 +100,7 @@ def _figure(figure_id, profile, size, settings):
 
 
 def _trace_frame(path, number, profile, profile_of):
-    """The FrameAsked of a trace's frame, with the commands that its machine draws it by."""
+    """The FrameAsked of a trace's frame, with the commands by which its machine draws it."""
     from fixedpipe.effects.replays.driving import frame_of_trace
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -110,7 +112,9 @@ def _trace_frame(path, number, profile, profile_of):
 
 
 def script_frame(path, profile, size, settings, profile_of=machine_of):
-    """The FrameAsked of SCRIPT.py or FILE.trace#N; ``profile_of``: the Profile of a name. Raises Refusal."""
+    """The FrameAsked of SCRIPT.py or FILE.trace#N. ``profile_of`` returns the Profile of a name. Raises
+    Refusal.
+    """
     import runpy
 
     from fixedpipe.effects.refusal import Refusal, line_of
@@ -177,7 +181,9 @@ def what_if_options(command):
 
 
 def what_if_of(bits, without, replace, constant, texture):
-    """What ``what_if_options`` are given, for ``FrameAsked.change``; None: nothing. Raises Refusal."""
+    """The values of ``what_if_options`` as ``FrameAsked.change`` takes them; None: none was given. Raises
+    Refusal.
+    """
     if not (bits or without or replace or constant or texture):
         return None
     example = '"general combiner 0=IDEAL"'
@@ -192,7 +198,7 @@ def what_if_of(bits, without, replace, constant, texture):
 
 
 def sign_beside(machine):
-    """What is said of combiners' widths, lest a sign be counted among a machine's bits."""
+    """A sentence about the width of combiners, which says that their bits do not include the sign."""
     own = machine.arithmetic.combiner_bits
     return (
         f"combiner: bits beside the sign. combiner={own}, registers of {own + 1} bits with the sign, is the "
@@ -214,7 +220,7 @@ def _assigned(option, text, example, name, value):
     raise Refusal(f"{option} is {text!r}; give it as in {option} {example}.")
 
 
-# The clamps that a stage has of its own.
+# The clamps that --without can leave out in a single stage, and how the names of such stages begin.
 _CLAMPS = {"GENERAL_COMBINER": "general combiner", "FINAL_COMBINER": "final combiner"}
 
 
@@ -251,7 +257,9 @@ def _picture(path):
 
 
 def check_files(*names):
-    """Raise Refusal where one of these files, None aside, cannot be written: before anything is computed."""
+    """Raise Refusal if one of these files cannot be written. It is called before anything is computed. A name
+    may be None.
+    """
     from fixedpipe.effects.reports.files import writable_file
 
     for name in filter(None, names):
@@ -259,7 +267,7 @@ def check_files(*names):
 
 
 def check_plots(option, given):
-    """Raise Refusal where a picture by matplotlib is asked for, and it is not installed."""
+    """Raise Refusal if ``option`` was given, which needs matplotlib, and matplotlib is not installed."""
     from importlib.util import find_spec
 
     from fixedpipe.effects.refusal import Refusal
@@ -269,7 +277,7 @@ def check_plots(option, given):
 
 
 def write_file(name, content):
-    """Write text or bytes, and say so. Raises Refusal."""
+    """Write text or bytes to a file, and print its name. Raises Refusal."""
     from fixedpipe.effects.reports.files import writable_file, write_whole
 
     write_whole(writable_file(name), content if isinstance(content, bytes) else content.encode())
@@ -277,7 +285,7 @@ def write_file(name, content):
 
 
 def write_rows(rows, json_file, csv_file):
-    """Write rows as the files that were asked for: ``--json`` and ``--csv``. Raises Refusal."""
+    """Write rows to the files of ``--json`` and ``--csv``, if they were given. Raises Refusal."""
     from fixedpipe.effects.reports.rows import csv_text, json_text
 
     if json_file:

@@ -1,4 +1,4 @@
-"""``fixedpipe golden``: the golden pictures of a project's tests, recorded, checked, reviewed, accepted."""
+"""``fixedpipe golden``: record, check, review and accept the golden pictures of a project's tests."""
 
 import subprocess
 import sys
@@ -32,9 +32,10 @@ def _place(root):
 
 
 def _run_pytest(*arguments, silent=False):
-    """pytest's exit status: 0 all passed, 1 tests failed, 5 there were none. Others are refused.
+    """Run pytest, and return its exit status: 0 if all tests passed, 1 if tests failed, 5 if there were none.
+    Raises Refusal for another status.
 
-    ``silent``: what it prints is printed where it is refused alone.
+    ``silent``: pytest's output is printed only in the case of such a Refusal.
     """
     from importlib.util import find_spec
 
@@ -184,7 +185,7 @@ def orphans(remove, root):
     with refusals():
         pictures = read_run(root)["pictures"]
         for store in {picture["store"] for picture in pictures.values()}:
-            read_store(root / store)  # an orphan may stand in what cannot be read
+            read_store(root / store)  # a store that cannot be read may hold an orphan
         found = {n: p for n, p in pictures.items() if p["status"] == ORPHAN}
         for name, picture in found.items():
             if remove:

@@ -1,4 +1,4 @@
-"""The choice of ``fixedpipe golden accept`` among the pictures that wait."""
+"""Which of the waiting pictures ``fixedpipe golden accept`` accepts."""
 
 import fnmatch
 import json
@@ -15,22 +15,22 @@ _SHOWN = 20  # names that a refusal lists
 
 
 def chosen_candidates(candidates, names, everything, expression, root, run_pytest):
-    """The candidates ({name: Candidate}) that are meant, in the order of their names.
+    """The chosen ones of the candidates ({name: Candidate}), in their order.
 
-    names        names and patterns of them; everything: all
-    expression   what pytest's -k takes; ``run_pytest(*arguments, silent)`` asks pytest which tests those are
+    names        names, and patterns of names; everything: whether all are chosen
+    expression   an expression for pytest's -k; ``run_pytest(*arguments, silent)`` finds the tests it matches
     root         the project's folder
 
-    A picture of a test that was skipped, or failed as it was expected to, is taken by its whole name alone:
-    where a failure is expected strictly, a golden picture would make the test fail.
+    Only its whole name chooses the picture of a test that was skipped, or that failed as expected. If the
+    failure is expected strictly, a golden picture would make this test fail.
 
-    Raises Refusal where nothing is chosen, or a name or the expression chooses none.
+    Raises Refusal if nothing is chosen, or if a name or the expression matches no picture.
     """
     ways = bool(names) + everything + (expression is not None)
     if ways != 1:
         raise Refusal("Name pictures, or give --all, or -k EXPRESSION: one of the three.")
     told = {}
-    with suppress(StoreError):  # a run that was interrupted tells nothing
+    with suppress(StoreError):  # after an interrupted run there is no file to read
         told = read_run(root)["pictures"]
     usual = {n: c for n, c in candidates.items() if told.get(n, {}).get("status") != EXCUSED}
     if everything:
@@ -52,7 +52,7 @@ def chosen_candidates(candidates, names, everything, expression, root, run_pytes
 def _named(given, candidates, usual):
     if given in candidates:
         return [given]
-    # In a name of a parametrised test [ and ] are themselves.
+    # Names of parametrised tests contain [ and ]. In a pattern these are plain characters.
     matches = re.compile(fnmatch.translate(re.sub(r"\[", "[[]", given))).match
     fitting = [name for name, c in usual.items() if matches(name) or matches(c.key)]
     found = fitting if set(given) & set("*?") else []
@@ -69,7 +69,7 @@ def _waiting(candidates):
 
 
 def _tests(expression, root, run_pytest):
-    """[(a test's name behind its module's, its store)] of those that pytest chooses."""
+    """[(name, store)] of the tests that pytest chooses. The name has no module."""
     with tempfile.TemporaryDirectory() as folder:
         listed = Path(folder) / "tests.json"
         run_pytest(

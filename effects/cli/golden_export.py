@@ -9,7 +9,7 @@ FORMS = ("lines", SINGLE_STEP)
 
 
 def check_options(context, rules, code, form):
-    """Raise Refusal for options of which one would be ignored beside another."""
+    """Raise Refusal for combinations of options in which one would be ignored."""
     if code and rules:
         raise Refusal("--code writes functions and --rules vectors; give one of them.")
     if code:
@@ -23,7 +23,7 @@ def check_options(context, rules, code, form):
 
 
 def export_code(folder, language):
-    """Write the rules' functions; a sentence of what was written."""
+    """Write the rules' functions. Returns a sentence about what was written."""
     from fixedpipe.effects.emulators.code import code_files, functions
     from fixedpipe.effects.reports.golden.vectors import write_code
 
@@ -39,7 +39,7 @@ def export_code(folder, language):
 
 
 def export_rules(folder, cases, seed, form):
-    """Write the rules' vectors; the files' names."""
+    """Write the rules' vectors. Returns the files' names."""
     from fixedpipe.effects.reports.golden.vectors import write_rules, write_single_steps
 
     with refusals():

@@ -11,8 +11,8 @@ _SHOWN = 20  # names that a refusal lists
 
 
 def import_baselines(folder, module, run_pytest):
-    """Take PNG files of a folder, and say what became of each; whether all that belong to the module's tests
-    are golden. ``run_pytest(*arguments, silent)`` runs pytest. Raises Refusal.
+    """Make PNG files of a folder golden, and print the result for each. Returns whether all that belong to
+    the module's tests are golden. ``run_pytest(*arguments, silent)`` runs pytest. Raises Refusal.
     """
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.pipeline.golden.baselines import find_baselines, take_baselines
@@ -66,7 +66,9 @@ def _whose(names, of_tests):
 
 
 def _tests_of(module, run_pytest):
-    """(store's file, whether PNG files are kept, tests) of a test module, as its project's settings say."""
+    """(file of the store, whether PNG files are stored, tests) of a test module. The settings of the module's
+    project decide the first two.
+    """
     from fixedpipe.effects.refusal import Refusal
 
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""What ``fixedpipe golden judge`` does."""
+"""The work of ``fixedpipe golden judge``."""
 
 import json
 
@@ -8,7 +8,9 @@ _WIDTH = 34
 
 
 def judge_program(program, names, cases, seed, patience, json_file, html_file):
-    """Judge, print a line for each rule, and write the files that were asked for; whether all is right."""
+    """Judge a program, print a line for each rule, and write the files whose names are given. Returns whether
+    all answers are right.
+    """
     from fixedpipe.effects.arithmetic.rules import RULES
     from fixedpipe.effects.emulators.judge import judged
     from fixedpipe.effects.refusal import choose

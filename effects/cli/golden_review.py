@@ -1,15 +1,17 @@
-"""Review of pictures that are not golden, in the terminal: it describes and draws each, and a key decides."""
+"""The review of pictures that are not golden, in the terminal. It shows each, and the user presses a key."""
 
 import click
 import numpy as np
 
-# Columns and rows of half a character that a picture takes at most.
+# The most columns and rows that a picture takes. A row is half a character high.
 _COLUMNS, _ROWS = 36, 40
 _KEYS = "a accept   s later   d pixels   q end"
 
 
 def review_by_keys(root, found):
-    """Ask for every picture that differs or is new. ``found``: as for ``results``. Raises StoreError."""
+    """Let the user decide on every picture that differs or is new. ``found``: what ``results`` returns.
+    Raises StoreError.
+    """
     from fixedpipe.effects.reports.golden.results import CHANGED, NEW
     from fixedpipe.pipeline.golden.accepting import accept_where_sound
     from fixedpipe.pipeline.golden.candidates import read_candidates
@@ -47,7 +49,7 @@ def review_by_keys(root, found):
 
 
 def _key():
-    """A key that was pressed; Ctrl-C and Ctrl-D end as q does. Raises Refusal where no terminal has keys."""
+    """The key that the user pressed; "q" for Ctrl-C and Ctrl-D. Raises Refusal if there is no keyboard."""
     from fixedpipe.effects.refusal import Refusal
 
     try:
@@ -62,7 +64,7 @@ def _key():
 
 
 def _shown(pixels):
-    """RGB bytes of a picture, by the nearest pixels, as many as fit."""
+    """RGB bytes of a picture. A larger picture is reduced, by nearest pixels, until it fits."""
     step = max(1, -(-pixels.shape[1] // _COLUMNS), -(-pixels.shape[0] // _ROWS))
     small = pixels[step // 2 :: step, step // 2 :: step]
     small = (small >> 8).astype(np.uint8) if small.dtype == np.uint16 else small
@@ -70,8 +72,8 @@ def _shown(pixels):
 
 
 def _draw(root, candidate):
-    """What is golden, what was drawn, and where they differ, as half blocks of colour, where the terminal
-    shows colours.
+    """Print the golden picture, the new one, and where they differ, as half blocks of colour. A terminal
+    without colours shows nothing.
     """
     from rich.console import Console
     from rich.text import Text
@@ -106,7 +108,7 @@ def _draw(root, candidate):
 
 
 def _golden(root, candidate):
-    """What is golden; None where no file holds it, which the picture's sentences say."""
+    """The golden pixels; None if no file holds them. The picture's sentences say so then."""
     from fixedpipe.pipeline.golden.candidates import golden_pixels
     from fixedpipe.pipeline.golden.store import StoreError
 
@@ -117,7 +119,7 @@ def _golden(root, candidate):
 
 
 def _spread(mask):
-    """A mask in which a pixel that stands for several is set where any of them is: [h, w, 1]."""
+    """A mask [h, w, 1] for a reduced picture: a pixel is set if any of the pixels that it replaces is set."""
     step = max(1, -(-mask.shape[1] // _COLUMNS), -(-mask.shape[0] // _ROWS))
     out = mask.copy()
     for y in range(0, mask.shape[0], step):

@@ -10,9 +10,10 @@ from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, m
 
 
 def history_text(history: PixelHistory, brief: bool = False) -> Group:
-    """The history as rich's Console prints it.
+    """The history in a form that rich's Console prints.
 
-    ``brief``: of every fragment, only the stage that adds most to the error, and then the first that clamps.
+    ``brief``: show only two stages of every fragment: the one that adds most to the error, and then the
+    first that clamps.
     """
     return Group(*_lines(history, brief))
 

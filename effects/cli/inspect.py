@@ -1,4 +1,4 @@
-"""``fixedpipe inspect``: everything that happened to a pixel, command by command and stage by stage."""
+"""``fixedpipe inspect``: what happened to a pixel, command by command and stage by stage."""
 
 import click
 
@@ -132,7 +132,7 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     check_plots("--out", out)
     frame = frame_asked(what, of["profile"], of["size"], of["settings"])
     check_files(*files, of["html_file"], of["plot"], out)
-    announce_compiling("portable")  # from which the column engine takes coverage
+    announce_compiling("portable")  # the column engine takes coverage from this engine
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
         if any(part == "combiner" for part, _ in what_if["bits"]):
@@ -236,7 +236,7 @@ def _share(share):
 
 
 def frame_error_of(of, number=None):
-    """The Error of a FrameAsked. ``number``: the only command whose stages are replaced; None: all."""
+    """The Error of a FrameAsked. ``number``: the command whose stages are replaced; None: all commands."""
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.pipeline.inspection.what_if import frame_error, with_stages
 
@@ -284,7 +284,7 @@ def _tell_attribution(of, stages, number):
 
 
 def _most(own, found):
-    """With which one thing most of the error goes, in a sentence."""
+    """A sentence that names the one part or stage which causes most of the error."""
     from fixedpipe.effects.reports.rows import share_gone
 
     alone = ((what, share_gone(error, own)) for what, error in found if not what.startswith("all "))
@@ -310,7 +310,7 @@ def _tell_maps(of, kind, number, out):
             f"{name} {100 * value:.4g} %" if name in SHARES else f"{name} {value:.4g}"
             for name, value in each.numbers().items()
         )
-        # Texels are no pixels of the frame, and the most bits are nothing to look for.
+        # A map of texels has no pixels of the frame, and nobody looks for the pixel with the most bits.
         if kind not in ("texels", "bits") and "greatest" in each.numbers():
             numbers += " at pixel {},{}".format(*each.greatest_at())
         click.echo(f"command {each.command}: {each.label}\n    {numbers}")
@@ -350,7 +350,7 @@ def _only(found, number, frame):
 
 
 def _of_command(uses, number):
-    """Those of a command, or all. Raises Refusal where there are none."""
+    """The uses in command ``number``, or all if it is None. Raises Refusal if there are none."""
     from fixedpipe.effects.refusal import Refusal
 
     uses = [use for use in uses if number in (None, use.command)]

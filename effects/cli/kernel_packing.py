@@ -1,4 +1,4 @@
-"""Packs of compiled kernels are written and taken here. The self-test draws with each before it counts."""
+"""Write packs of compiled kernels, and install them. The self-test draws with each pack first."""
 
 import os
 import shutil
@@ -18,12 +18,14 @@ from fixedpipe.raster.kernel_folder import CHOSEN
 from fixedpipe.raster.kernel_levels import LEVELS, ON_X86
 from fixedpipe.raster.kernel_packs import SUFFIX, Pack, write_pack
 
-# With these set, a process would compile for the processor that they name instead of reading a pack.
+# If one of these variables is set, a process compiles for the processor that it names and reads no pack.
 _NAMED = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
 
 
 def chosen_level(name):
-    """The Level of a name, or the highest that this processor has. Raises Refusal where it lacks it."""
+    """The Level of a name, or without one the highest of this processor. Raises Refusal if the processor does
+    not have this level.
+    """
     levels = {level.name: level for level in LEVELS}
     if not ON_X86:
         raise Refusal("Packs are for levels of x86-64, which this processor is not; it compiles for itself.")
@@ -37,7 +39,7 @@ def chosen_level(name):
 
 
 def write_tested(path, level):
-    """Compile what is missing, and write a pack for a Level, for which this process compiles."""
+    """Compile missing kernels, and write a pack for a Level. This process must compile for that Level."""
     path = writable_file(path)
     compile_all()
     kernels = compiled_for(level)
@@ -56,7 +58,7 @@ def write_tested(path, level):
 
 
 def keep_tested(path):
-    """Check a pack, draw with it, and keep it beside this installation's kernels."""
+    """Check a pack, draw the self-test with it, and store it in the folder of this installation's kernels."""
     with refusals():
         pack = Pack(path)
         pack.check_fits(STATE)
@@ -79,7 +81,7 @@ def keep_tested(path):
 
 @contextmanager
 def _alone():
-    """A folder of kernels that is empty, in which alone other processes look for them inside."""
+    """Yields an empty folder of kernels. Inside the block other processes look for kernels only there."""
     before = {name: os.environ.pop(name) for name in (CHOSEN, *_NAMED) if name in os.environ}
     try:
         with tempfile.TemporaryDirectory(prefix="fixedpipe-pack-") as base:
@@ -93,7 +95,7 @@ def _alone():
 
 
 def _test(where):
-    """Raise Refusal where the self-test does not draw the accepted bits in a process of its own."""
+    """Raise Refusal if the self-test, in a process of its own, does not draw the accepted bits."""
     checks = checks_elsewhere(where, (1, 2), {})
     if failures := [sentence for check in checks for sentence in check.failures]:
         raise Refusal(

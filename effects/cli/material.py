@@ -1,4 +1,4 @@
-"""``fixedpipe material``: a mesh of any reflectance, under lights or in an environment."""
+"""``fixedpipe material``: draw a mesh of any reflectance, under lights or in an environment."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""``fixedpipe nv2a``: a frame of the NV2A's words, vertices and memory, drawn."""
+"""``fixedpipe nv2a``: draw a frame of the NV2A's register words, vertices and memory."""
 
 import click
 

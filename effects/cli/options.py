@@ -1,4 +1,4 @@
-"""Options that several subcommands share: what each takes, and which go together."""
+"""Options that several subcommands share, and functions that read their values and refuse wrong ones."""
 
 import math
 
@@ -30,8 +30,8 @@ view_option = click.option(
 
 
 def eye_of(view, usual):
-    """The eye's place for --view, as far from the middle as the ``usual`` one, which it is without. Raises
-    Refusal.
+    """The eye's place for --view, as far from the origin as the ``usual`` place. Without --view it is the
+    ``usual`` place. Raises Refusal.
     """
     if view is None:
         return usual
@@ -77,7 +77,7 @@ fill_option = click.option(
 
 
 def set_option(command):
-    """--set of a figure's parameters, and --limit and --fill, as some of them are files."""
+    """Add --set for a figure's parameters, and --limit and --fill, because some parameters are files."""
     return click.option(
         "--set",
         "settings",
@@ -89,10 +89,10 @@ def set_option(command):
 
 
 def changes_of(settings, figure, methods):
-    """What --set says, by name: values as ``methods``' scenes of the figure take them.
+    """The values of --set by name, in the form that the figure's scenes take.
 
-    Raises Refusal for what has not the form NAME=VALUE, for a name given twice, for one that the figure has
-    not on one of the methods' machines, and for a value that the parameter cannot have.
+    Raises Refusal for a text without the form NAME=VALUE, and for a name given twice. It also refuses a
+    parameter that the figure does not have with one of ``methods``, and a value that it cannot have.
     """
     changes = {}
     with refusals():
@@ -111,7 +111,9 @@ def changes_of(settings, figure, methods):
 
 
 def three_numbers(text, what, example="1,2,3", zero=False):
-    """Three finite numbers, not all zero unless ``zero``, from ``x,y,z``. Raises Refusal, naming ``what``."""
+    """Three finite numbers, not all zero unless ``zero``, from ``x,y,z``. Raises Refusal, which names
+    ``what``.
+    """
     try:
         numbers = tuple(float(c) for c in text.split(","))
     except ValueError:
@@ -123,7 +125,9 @@ def three_numbers(text, what, example="1,2,3", zero=False):
 
 
 def machine_of(key):
-    """The Profile of a machine, by its key. Raises Refusal for another, and for the ideal, which is none."""
+    """The Profile of a machine, by its key. Raises Refusal for an unknown key, and for the ideal, which is
+    not a machine.
+    """
     from fixedpipe.pipeline.profiles import PROFILES
 
     machines = {k: p for k, p in PROFILES.items() if not p.arithmetic.exact}
@@ -138,7 +142,8 @@ def machine_of(key):
 def given_options(context, names=None):
     """The options and arguments given on the command line, in the order of the subcommand's help.
 
-    Options are as they are written, arguments in capitals. ``names``: the parameters to look at; None: all.
+    Options are spelled as on the command line, arguments in capitals. ``names``: the parameters to look at;
+    None: all.
     """
     return [
         p.opts[-1] if isinstance(p, click.Option) else p.human_readable_name.strip("[]").partition(" ")[0]
@@ -151,7 +156,7 @@ def given_options(context, names=None):
 def refuse_ignored(context, names, why):
     """Raise Refusal if parameters were given that would be ignored.
 
-    ``names``: these parameters; ``why``: a sentence without its stop, which ends in what to do.
+    ``names``: these parameters; ``why``: a sentence without its full stop, which ends with what to do.
     """
     ignored = given_options(context, names)
     if ignored:
@@ -159,7 +164,7 @@ def refuse_ignored(context, names, why):
 
 
 def refuse_beside(context, option):
-    """Raise Refusal where anything was given beside ``option``, with which nothing else is looked at."""
+    """Raise Refusal if any other option or argument was given with ``option``, which ignores all others."""
     others = [given for given in given_options(context) if given != option]
     if others:
         raise Refusal(f"{option} prints a list and does nothing else; leave {' and '.join(others)} out.")

@@ -1,4 +1,4 @@
-"""``fixedpipe parameters``: the parameters of a figure that a user may change."""
+"""``fixedpipe parameters``: print the parameters of a figure that a user may change."""
 
 import json
 import shlex
@@ -37,7 +37,7 @@ def parameters(figure_id, json_file):
         if row["of"]:
             click.echo(f"    It takes part beside {row['of']} alone.")
         click.echo(f"    Give {row['allowed']}.")
-    # None is a value too, but no example of one; and what takes part beside another alone is none by itself.
+    # None is a value, but a poor example. A parameter that needs another one is no example by itself.
     shown = next((row for row in rows if row["default"] != "None" and not row["of"]), None)
     if shown is not None:
         setting = shlex.quote(f"{shown['name']}={shown['default']}")
@@ -45,7 +45,7 @@ def parameters(figure_id, json_file):
 
 
 def _rows(figure):
-    """A dict for each parameter that users may set, in the figure's order, values as texts."""
+    """A dict for each parameter that users may set, in the figure's order. Values are texts."""
     known = {
         name: p for method in reversed(figure.methods) for name, p in figure.parameters_of(method).items()
     }

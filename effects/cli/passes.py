@@ -1,4 +1,4 @@
-"""``fixedpipe passes``: a frame's commands in words, and on request what each left in the framebuffer."""
+"""``fixedpipe passes``: a frame's commands in words, and on request a picture after each of them."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import click
 from fixedpipe.effects.cli.frames import is_own_frame, script_frame
 from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
-# Of a trace that was not asked for as --all. Assumed: what one looks through, and what a disk has room for.
+# Limits of a trace without --all. Assumed: more files are too many to look at, more bytes too many to store.
 _MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 
 
@@ -90,8 +90,8 @@ def passes(what, profile, trace, numbers, every, ideal, whole, size, settings):
 class _Passes:
     """A frame to describe: its name, the line above its passes, the machine and the words after it.
 
-    Also (width, height), ``commands_of``, a function from a machine to commands, and its ``commands`` on this
-    one.
+    It also has (width, height), ``commands_of``, a function that returns the commands for a machine, and
+    ``commands``, those for this machine.
     """
 
     name: str
@@ -141,7 +141,7 @@ def _figure(figure_id, profile, size, settings):
 
 
 def _chosen(text, every, commands):
-    """The numbers of the commands that ``A:B`` and ``--every`` choose: a range. Raises Refusal."""
+    """The numbers of the commands that ``A:B`` and ``--every`` choose, as a range. Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal
 
     first, colon, last = (text or ":").partition(":")
@@ -158,7 +158,9 @@ def _chosen(text, every, commands):
 
 
 def _of_the_ideal(of):
-    """The commands that the ideal evaluates beside the machine's. Raises Refusal where it cannot."""
+    """The commands that the ideal evaluates for comparison. Raises Refusal if the ideal cannot draw the frame
+    or draws it with other commands.
+    """
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.pipeline.profiles import IDEAL
     from fixedpipe.pipeline.validation.validate import validate
@@ -178,7 +180,7 @@ def _of_the_ideal(of):
 
 
 def _planned(of, chosen, ideal, whole):
-    """What will be written, in a sentence, and how many commands draw. Raises Refusal for too much."""
+    """(a sentence about the files to write, how many commands draw). Raises Refusal if it is too much."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.trace import plan
     from fixedpipe.pipeline.messages import count

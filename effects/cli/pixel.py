@@ -1,4 +1,4 @@
-"""``fixedpipe pixel``: the pixel that a machine draws of a small state, and how it comes about."""
+"""``fixedpipe pixel``: print the pixel that a machine draws of a small state, and its history."""
 
 import click
 

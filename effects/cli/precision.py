@@ -1,11 +1,11 @@
-"""``fixedpipe precision``: a frame with numbers of several widths, with its clamps and without them."""
+"""``fixedpipe precision``: draw a frame with numbers of several widths, with and without its clamps."""
 
 import click
 
 from fixedpipe.effects.cli.frames import check_files, frame_asked, is_own_frame, sign_beside, write_rows
 from fixedpipe.effects.cli.options import set_option
 
-_SIZE = 96  # pixels an edge of a figure's panel, where nothing else is asked for
+_SIZE = 96  # height of a figure's panel in pixels, without --size
 
 
 @click.command(short_help="Separate the error of clamps from the error of short numbers.")
@@ -58,7 +58,7 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
     widths, parts = _widths(bits), _parts(parts, measured.PARTS)
     of = frame_asked(what, profile, size or (None if is_own_frame(what) else _SIZE), settings)
     check_files(json_file, csv_file)
-    announce_compiling("portable")  # from which the column engine takes coverage
+    announce_compiling("portable")  # the column engine takes coverage from this engine
     steps = 2 * len(widths) + 1 + len(measured.clamps_of(of.machine))
     with progress_of_long(steps) as step, refusals():
         rows = measured.table(of.commands_of, of.machine, *of.size, widths, parts, step)
@@ -86,7 +86,7 @@ _COLUMNS = """\
 shown: of the pictures as they are seen, both clamped to [0, 1].
 computed: of the colours as they were computed; the ideal's are not clamped.
 without its own: the machine without the clamps that the ideal does not have."""
-# What each Clamp clamps, by its name.
+# The values that each Clamp clamps, by the Clamp's name.
 CLAMPS = {
     "VERTEX_COLOR": "colours of vertices",
     "MAPPING": "inputs of combiners",

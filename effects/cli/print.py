@@ -1,4 +1,4 @@
-"""``fixedpipe print``: a figure, or a script's frame, for a page or a slide, with labels and its source."""
+"""``fixedpipe print``: compose a figure or a frame for a page or a slide, with labels and its source."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
 _STYLES = "paper: 170 mm wide, white, the caption below; slide, light-slide: 16:9, the title on top"
 
-# What else is drawn for which pictures of a sheet.
+# What a sheet needs beside the machine's picture, and the pictures that need it.
 _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "reference-difference"}}
 
 
@@ -88,12 +88,12 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     beside_it = [what for what, of in _NEEDED.items() if of & {*names}]
     with progress_of_long(2 + len(beside_it)) as step, refusals():
         step(f"{figure.id} on {machine.name}")
-        # Letters are set in the sheet's own type, and not in the machine's pixels.
+        # The sheet draws letters in its own type, so the machine does not draw them.
         commands = figure.commands(machine, size, method, **changes)
         letters = labels_of(commands, figure.dimensions(size)[1]) or ()
         bare = without_letters(method) if letters else method
         drawn = figure.render(machine, size, method=bare, threads=threads, **changes)
-        for what in beside_it:  # computed when it is first asked for
+        for what in beside_it:  # reading the attribute computes it
             step(f"the {what}")
             getattr(drawn, what)
         step("the sheet")
@@ -110,7 +110,7 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
 
 
 def _figure(figure_id, profile, size, settings):
-    """A Figure, the machine, its Method, what is changed, and how a file of it is called."""
+    """(Figure, machine, its Method, changed parameters, name for a file of it)."""
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose, refusals
@@ -128,7 +128,7 @@ def _figure(figure_id, profile, size, settings):
 
 
 def _script(path, profile, size, settings):
-    """As ``_figure``, of the frame that a script makes: a Figure of no paper."""
+    """As ``_figure``, for the frame of a script: a Figure that belongs to no paper."""
     from fixedpipe.effects.figures import Figure, Method
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.pipeline.profiles import PROFILES

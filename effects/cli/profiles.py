@@ -1,4 +1,4 @@
-"""``fixedpipe profiles``: the machines, each value with its evidence."""
+"""``fixedpipe profiles``: list the machines, or print one with the evidence of its values."""
 
 import click
 
@@ -8,7 +8,7 @@ _WIDE = 110  # columns of a terminal that shows whole descriptions
 
 
 def _set_text(values):
-    """A set in words; one that holds all its enumeration's members, or none, says so."""
+    """A set in words. It says so if it has all members of the enumeration, or none."""
     if not values:
         return "none"
     members = sorted(values)
@@ -29,7 +29,7 @@ def _name(value):
     return getattr(value, "name", str(value))
 
 
-# By a value's class; the others are said by their name.
+# Functions that put a value into words, by the value's class. Other values give their name.
 _TEXTS = {
     frozenset: _set_text,
     bool: lambda value: "yes" if value else "no",
@@ -44,7 +44,7 @@ def _value_text(value):
 
 
 def _overview(profiles, width):
-    """A table of the machines for a terminal of ``width`` columns, a row each."""
+    """A table with a row for each machine, for a terminal of ``width`` columns."""
     from rich import box
     from rich.table import Table
 
@@ -68,7 +68,9 @@ def _overview(profiles, width):
 
 
 def _values(profile):
-    """A table of all values of a machine, by section, and each one's evidence unless all have the same."""
+    """A table of all values of a machine, by section. It gives the evidence of each value, unless all have
+    the same evidence.
+    """
     from rich import box
     from rich.table import Table
 
@@ -101,7 +103,7 @@ def _lines(profile, with_evidence):
 
 
 def _change_text(now, other):
-    """What a field's value is; of a set, what it has more or less than the profile's."""
+    """A field's value in words; for a set, the members that it has more or less than the profile's set."""
     if not isinstance(now, frozenset):
         return _value_text(now) or "none"
     parts = [("without", other - now), ("with", now - other)]
@@ -109,7 +111,7 @@ def _change_text(now, other):
 
 
 def _driver_lines(profile, driver):
-    """What a machine is with a driver that it is not without one: lines, one for each evidence."""
+    """How a driver changes a machine: lines, one for each kind of evidence."""
     yield f'Driver "{driver.name}", {driver.since}' + (":" if driver.facts else ": as below.")
     changes = {}
     for name, fact in driver.facts.items():
@@ -120,7 +122,7 @@ def _driver_lines(profile, driver):
 
 
 def _print_conf(names, year):
-    """gltrace.conf of a machine. Raises Refusal."""
+    """Print the gltrace.conf of a machine. Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.replays.gltrace_conf import conf_text, of_year
 

@@ -1,4 +1,4 @@
-"""A program of the time evaluated for given inputs, in the words of ``fixedpipe inspect``."""
+"""A table of what a program of the time computes for given inputs, in the words of ``fixedpipe inspect``."""
 
 import click
 
@@ -7,11 +7,11 @@ _REGISTERS = ("t0", "t1", "t2", "t3", "v0", "v1")
 
 
 def tell_table(program, machine, inputs):
-    """Print what each combiner of a Program reads and makes on a machine. ``inputs``: the values of
+    """Print the inputs and results of each combiner of a Program on a machine. ``inputs``: the values of
     ``--input``.
 
-    The program's combiners draw one point, and the table is the history of its pixel. Texture registers are
-    given, not looked up, so texture shaders take no part. Raises Refusal for wrong inputs.
+    The program's combiners draw one point, and the table is the history of its pixel. The inputs set the
+    texture registers, so texture shaders have no effect. Raises Refusal for wrong inputs.
     """
     from rich.console import Console
 
@@ -35,7 +35,7 @@ def tell_table(program, machine, inputs):
 
 
 def _inputs(options, machine):
-    """{register: four bytes}. Raises Refusal for what is none."""
+    """{register: four bytes}, from texts ``REGISTER=R,G,B,A``. Raises Refusal for another form."""
     from fixedpipe.effects.refusal import Refusal
 
     found, units = {}, machine.textures.max_texture_units

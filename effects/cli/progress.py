@@ -6,13 +6,13 @@ from threading import Lock, Timer
 
 import click
 
-_LINES = 10  # where there is no terminal
-_SHORT = 2.0  # seconds of work of which nothing is said
+_LINES = 10  # how many lines are printed if there is no terminal
+_SHORT = 2.0  # shorter work, in seconds, shows no progress
 
 
 @cache
 def error_console():
-    """The error stream as rich writes to it: one for all bars, which then know of each other."""
+    """rich's Console for the error stream. All bars share it, so that they do not overwrite each other."""
     from rich.console import Console
 
     return Console(stderr=True, highlight=False)
@@ -20,14 +20,16 @@ def error_console():
 
 @contextmanager
 def progress_of_long(steps):
-    """As ``progress``, of what may be short: nothing is said until two seconds after the first step began."""
+    """As ``progress``, for work that may be short: it shows nothing in the two seconds after the first step
+    begins.
+    """
     from rich.errors import LiveError
 
     step, text, begun, lock = None, "", 0, Lock()
 
     def show():
         nonlocal step
-        with lock, suppress(LiveError):  # beside the bar of kernels, where rich has one at a time
+        with lock, suppress(LiveError):  # the bar of kernels is shown, and this rich shows only one bar
             step = shown.enter_context(progress(steps, begun - 1))
             step(text)
 
@@ -53,8 +55,8 @@ def progress_of_long(steps):
 
 @contextmanager
 def progress(steps, done=0):
-    """A function to call with a line of text as each of ``steps`` steps begins. ``done``: how
-    many are done.
+    """Yields a function to call with a line of text when each of ``steps`` steps begins. ``done``: how many
+    steps are already finished.
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

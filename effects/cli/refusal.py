@@ -1,4 +1,4 @@
-"""Refusals on the command line: the sentence on the error stream, and exit status 2; 130 after Ctrl-C."""
+"""Refusals on the command line: a sentence on the error stream, and exit status 2. Ctrl-C gives 130."""
 
 import signal
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ from fixedpipe.effects.refusal import Refusal
 
 
 class Said(click.ClickException):
-    """A Refusal's sentence as the command line ends with it; ``before``: lines above it."""
+    """A Refusal's sentence, with which the command line ends. ``before``: lines above it."""
 
     exit_code = 2
 
@@ -23,7 +23,7 @@ class Said(click.ClickException):
 
 
 class Interrupted(click.ClickException):
-    """Ctrl-C, as the command line ends with it: a line, and the status of what the signal ends."""
+    """Ctrl-C: the command line ends with a line, and with the exit status of this signal."""
 
     exit_code = 128 + signal.SIGINT
 
@@ -37,8 +37,8 @@ class Interrupted(click.ClickException):
 
 @contextmanager
 def said():
-    """What cannot be done, or was asked for in words that are none, ends as Said: with one prefix. Ctrl-C
-    ends as Interrupted.
+    """Inside the block, a Refusal or a wrong command line becomes Said, so both print with the same prefix.
+    Ctrl-C becomes Interrupted.
     """
     try:
         yield
@@ -55,8 +55,8 @@ def said():
 
 
 def check_size(what, dimensions, profile):
-    """Raise Refusal when a picture of ``dimensions`` (width, height: its --size) is larger than the machine
-    draws.
+    """Raise Refusal if a picture of ``dimensions`` (width, height) is larger than the machine draws. The
+    height is the value of --size.
     """
     largest, (width, size) = profile.framebuffers.max_viewport, dimensions
     if max(width, size) > largest:

@@ -1,4 +1,4 @@
-"""``fixedpipe replay``: what a recorded OpenGL program drew, on the machine that it was written for."""
+"""``fixedpipe replay``: draw the frames of a recorded OpenGL program on a machine of its time."""
 
 import json
 import sys
@@ -136,7 +136,9 @@ def _size(text):
 
 
 class _Files:
-    """What a replay reads and writes; all is known to be writable. Raises Refusal."""
+    """The files that a replay reads and writes. The constructor checks that they are writable. Raises
+    Refusal.
+    """
 
     def __init__(self, trace, key, asked, out, json_file, script, video, fps):
         from fixedpipe.effects.presentation.movies import kind_of
@@ -172,7 +174,7 @@ class _Files:
 
 
 def _draw(files, window, checked, beside, threads):
-    """Draw what is asked for; returns the exit status."""
+    """Draw the frames that the user asked for, and print the summary. Returns the exit status."""
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.replay_beside import tell_beside
     from fixedpipe.effects.replays.check import Check
@@ -240,7 +242,7 @@ def _draw(files, window, checked, beside, threads):
 
 
 def _pictures(files, frames, records, say, step):
-    """Write each frame that is asked for, and give its pixels."""
+    """Write a picture of each frame that the user asked for, and yield its pixels."""
     from fixedpipe.effects.reports.files import write_whole
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.golden.digests import digest
@@ -309,7 +311,7 @@ def _write_video(files, pictures):
 
 
 def _tell_missing(files, replay, found, damage, unfinished):
-    """Say what the trace lacks; returns whether that is something that was asked for."""
+    """Print what the trace lacks. Returns whether the user asked for some of it."""
     from fixedpipe.effects.replays.driving import no_such_frame
     from fixedpipe.pipeline.messages import count
 
@@ -328,7 +330,9 @@ def _tell_missing(files, replay, found, damage, unfinished):
 
 @contextmanager
 def _progress(asked, share):
-    """Two functions: print a line; show a frame that has ended on a terminal's progress bar."""
+    """Yields two functions. One prints a line. The other shows that a frame has ended, on the progress bar of
+    a terminal.
+    """
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = error_console()
@@ -348,5 +352,5 @@ def _progress(asked, share):
         def above_the_bar(line):
             console.print(line, markup=False, soft_wrap=True)
 
-        # What is piped stays in the pipe; what goes to the same terminal must not run into the bar.
+        # If the output is piped, it goes to the pipe. On the same terminal it must not overwrite the bar.
         yield above_the_bar if sys.stdout.isatty() else click.echo, step

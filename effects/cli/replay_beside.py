@@ -1,10 +1,10 @@
-"""``fixedpipe replay --beside mesa``: frames beside the pictures that Mesa draws of them."""
+"""``fixedpipe replay --beside mesa``: compare frames with the pictures that Mesa draws of them."""
 
 import click
 
 
 def check_beside(trace, size):
-    """Raise Refusal where glretrace cannot draw what is asked for: before anything is read."""
+    """Raise Refusal if glretrace cannot draw the frames. It is called before anything is read."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.replays.glretrace import missing
 
@@ -19,7 +19,7 @@ def check_beside(trace, size):
 def tell_beside(files, records):
     """Compare the pictures that ``records`` name with Mesa's; print a line for each frame, and write both.
 
-    Each record gets what was found, under "mesa". Raises Refusal where glretrace fails.
+    Each record gets the result, under "mesa". Raises Refusal if glretrace fails.
     """
     import numpy as np
     from PIL import Image

@@ -1,4 +1,4 @@
-"""``fixedpipe replay --list``: what a trace asks for, and what each machine would refuse of it."""
+"""``fixedpipe replay --list``: print what a trace contains, and which calls each machine would refuse."""
 
 import json
 
@@ -6,11 +6,11 @@ import click
 
 from fixedpipe.effects.cli.options import machine_of
 
-_MOST_TOLD = 3  # sentences of a machine, where there are others
+_MOST_TOLD = 3  # sentences of a machine, if several machines are listed
 
 
 def tell_list(path, profile, window, json_file):
-    """Print what a trace asks for, and what machines would refuse. Raises Refusal."""
+    """Print what a trace contains, and which calls machines would refuse. Raises Refusal."""
     from fixedpipe.effects.replays.driving import opened
     from fixedpipe.effects.replays.listing import Listing
     from fixedpipe.effects.reports.files import writable_file, write_whole

@@ -1,10 +1,10 @@
-"""``fixedpipe replay --page FILE.html``: frames of a trace on several machines, as a page."""
+"""``fixedpipe replay --page FILE.html``: write a page of a trace's frames on several machines."""
 
 import click
 
 
 def write_page(trace, key, asked, file, threads):
-    """Write the page, and say so. Raises Refusal."""
+    """Write the page, and print its name. Raises Refusal."""
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.replays.glretrace import GlretraceError, missing

@@ -1,4 +1,4 @@
-"""``fixedpipe roughness``: the pyramids of bumps and of roughness of a user's heights."""
+"""``fixedpipe roughness``: make mip-maps of the bumps and of the roughness of a user's heights."""
 
 import click
 

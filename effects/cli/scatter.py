@@ -1,4 +1,4 @@
-"""``fixedpipe scatter``: light that is scattered between the bumps of a user's heights."""
+"""``fixedpipe scatter``: draw the light that the bumps of a user's heights scatter onto each other."""
 
 import click
 
@@ -156,7 +156,7 @@ def scatter(
         found = scattering.way_of(machine)
         share = maps.photograph(colors) if colors else 0.8 if albedo is None else albedo
         field = scattering.field_of(maps.height_field(heights), found, texels, height_scale, share)
-        # Before minutes of rays are cast for it.
+        # The size is checked first, because casting the rays takes minutes.
         scattering.check_panel(field, size)
         announce_compiling()
         with progress(directions) as step:
@@ -182,7 +182,7 @@ def scatter(
             seed=seed,
             accumulation=summed,
         )
-        # Commands that a host's step issues are part of that step.
+        # The progress bar counts the frame's own commands. Commands that a HostStep issues are part of it.
         own = {id(command) for command in frame}
         with progress(len(frame)) as step:
             drawing = drawn(

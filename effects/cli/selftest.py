@@ -1,4 +1,4 @@
-"""``fixedpipe selftest``: whether this computer, with what is installed, draws the accepted bits."""
+"""``fixedpipe selftest``: check that this computer, with its installed packages, draws the accepted bits."""
 
 import json
 from dataclasses import asdict

@@ -1,4 +1,4 @@
-"""``fixedpipe shadows``: a mesh's shadow on a floor, by the algorithms of the time."""
+"""``fixedpipe shadows``: draw a mesh's shadow on a floor, by the algorithms of the time."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""``fixedpipe study``: an artefact of the hardware, measured: a table, what it says, and a plot."""
+"""``fixedpipe study``: measure an artefact of the hardware, and print a table, what it says, and a plot."""
 
 import sys
 from importlib import metadata
@@ -111,8 +111,8 @@ def _task(s, key, check):
 
 
 def measured_there(study_id, key, check):
-    """A study, measured by a worker: what the terminal shows, its record, and as a file its plot, if
-    matplotlib is installed.
+    """Measure a study in a worker. Returns the text for the terminal and the study's record, and its plot as
+    a file if matplotlib is installed.
     """
     from fixedpipe.effects.studies import STUDIES
 
@@ -123,7 +123,7 @@ def measured_there(study_id, key, check):
 
 
 def _machine(s, profile, check):
-    """The key of the machine to measure a study on, or None where no one machine is asked for."""
+    """The key of the machine to measure a study on; None if the study has no machines. Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal
 
     own = s.machines[0] if s.machines else None
@@ -139,7 +139,7 @@ def _machine(s, profile, check):
 
 
 def _printed(s, key, table):
-    """What the terminal shows of a study, at most ``WIDTH`` columns wide."""
+    """The text that the terminal shows of a study, at most ``WIDTH`` columns wide."""
     from textwrap import fill
 
     from fixedpipe.effects.studies.study import WIDTH
@@ -156,7 +156,7 @@ def _printed(s, key, table):
 
 
 def _print_checks(checks):
-    """Print every check with its value and bound; returns how many failed."""
+    """Print every check with its value and bound. Returns how many failed."""
     for c in checks:
         verdict = "ok    " if c["passed"] else "FAILED"
         click.echo(

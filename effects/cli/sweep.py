@@ -1,4 +1,4 @@
-"""``fixedpipe sweep``: a figure, a study or a script over a grid, on as many machines as there are."""
+"""``fixedpipe sweep``: compute a figure, a study or a script over a grid of values, on many computers."""
 
 import sys
 from pathlib import Path
@@ -194,7 +194,7 @@ def _plan(asked, known, workers):
 
 
 def _about(asked):
-    """What a file says of all rows."""
+    """The metadata of a table: what holds for all rows."""
     from fixedpipe.pipeline.golden.provenance import package_version
 
     return {

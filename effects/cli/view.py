@@ -1,4 +1,4 @@
-"""``fixedpipe view``: a frame drawn live in a browser, while its light, camera and machine are moved."""
+"""``fixedpipe view``: draw a frame live in a browser, while the user changes light, camera and machine."""
 
 import click
 
@@ -111,7 +111,7 @@ def _mesh(what, material, size):
 
 
 def _frame(what, profile, size, settings):
-    """The subject of a figure, of a script, of a trace. Raises Refusal."""
+    """The subject of a figure, of a script or of a trace. Raises Refusal."""
     from fixedpipe.effects.reports.own_figures import figure_of
 
     if not _is_file(what):
@@ -122,14 +122,14 @@ def _frame(what, profile, size, settings):
 
 
 def _holds_figure(path):
-    """Whether a file's text gives something the name FIGURE at its top; the file is not run for it."""
+    """Whether the source of a file assigns FIGURE at the top level of its module. The file is not run."""
     import ast
 
     try:
         with open(path, "rb") as file:
             tree = ast.parse(file.read())
     except (OSError, SyntaxError, ValueError):
-        return False  # whoever runs it says what is wrong
+        return False  # the error is reported when the file is run
     named = (target for node in tree.body if isinstance(node, ast.Assign) for target in node.targets)
     return any(isinstance(target, ast.Name) and target.id == "FIGURE" for target in named)
 
@@ -138,7 +138,7 @@ def _figure(figure, size, settings, path=""):
     from fixedpipe.effects.cli.options import changes_of
     from fixedpipe.effects.viewer.subjects import FigureSubject
 
-    changes_of(settings, figure, figure.methods[:1])  # refuses what is none
+    changes_of(settings, figure, figure.methods[:1])  # raises Refusal for wrong settings
     given = dict(setting.partition("=")[::2] for setting in settings)
     given = {name.strip(): text.strip() for name, text in given.items()}
     return FigureSubject(figure, given, size or 0, path)

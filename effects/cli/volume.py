@@ -1,4 +1,4 @@
-"""``fixedpipe volume``: an iso-surface of a user's volume, with shadows."""
+"""``fixedpipe volume``: draw an iso-surface of a user's volume, with shadows."""
 
 from pathlib import Path
 
@@ -129,7 +129,7 @@ def volume(
 
 
 def _check_raw_options(name):
-    """Raise Refusal where options of a raw file are given of another."""
+    """Raise Refusal if options for a raw file are given for another kind of file."""
     sample, header = name.startswith("sample:"), Path(name).suffix.lower() in _WITH_HEADERS
     if sample or header:
         why = "a sample is no raw file" if sample else f"the header of {name} says what its values are"
@@ -139,7 +139,7 @@ def _check_raw_options(name):
 
 
 def _read(name, dims, type_name, endian, skip):
-    """Values [layers, rows, columns] and the voxels' spacing along x, y and z. Raises Refusal."""
+    """(values [layers, rows, columns], spacing of the voxels along x, y and z). Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal, choose
     from fixedpipe.effects.user_pictures.volume_files import read_nrrd, read_raw_volume
 

@@ -1,4 +1,4 @@
-"""``fixedpipe warmup``: compile all kernels now, so that nothing waits for them later."""
+"""``fixedpipe warmup``: compile all kernels now, so that no command waits for them later."""
 
 import importlib
 import pkgutil
@@ -26,7 +26,7 @@ def warmup(ids):
     from fixedpipe.raster.kernel_folder import kept
 
     for name in ids:
-        choose("figure", name, FIGURES) if name not in STUDIES else STUDIES[name]  # which imports it
+        choose("figure", name, FIGURES) if name not in STUDIES else STUDIES[name]  # this imports it
     began = time.monotonic()
     compile_all(of_imported=bool(ids))
     what = f"The kernels of {', '.join(ids)}" if ids else "All kernels"
@@ -41,8 +41,8 @@ def warmup(ids):
 
 
 def compile_all(*, of_imported=False):
-    """Compile each kernel of one signature that is not there: of every module, or of both engines and the
-    modules that are imported.
+    """Compile each kernel of one signature that is not compiled yet: those of every module, or with
+    ``of_imported`` those of both engines and of the imported modules.
     """
     from fixedpipe.pipeline.native.background_compiling import compile_beside, make_ready
     from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
@@ -50,21 +50,23 @@ def compile_all(*, of_imported=False):
 
     announce_compiling(None)
     beside = None
-    if CACHE_FOLDER in dict(kept()):  # else this process could not read what another compiles
-        # For the engine that is missing. The process lives as long as its name here.
+    if CACHE_FOLDER in dict(kept()):  # else this process could not read the kernels of another
+        # Another process compiles the missing engine. It runs as long as this variable holds it.
         beside = compile_beside("vector") or compile_beside("portable")
     for engine in ("vector", "portable") if of_imported else ():
         make_ready(engine)
     for name in () if of_imported else ("fixedpipe.raster", "fixedpipe.effects"):
         for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
-            if not module.name.endswith(".__main__"):  # which runs a command
+            if not module.name.endswith(".__main__"):  # such a module runs a command
                 _import(module.name)
     make_all_ready()
     del beside
 
 
 def _import(name):
-    """Import a module; one whose package of an extra is not installed has no kernel that is needed here."""
+    """Import a module. If the package of an extra is missing, its module is skipped; no kernel there is
+    needed here.
+    """
     try:
         importlib.import_module(name)
     except ModuleNotFoundError as error:

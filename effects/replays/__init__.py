@@ -1,1 +1,1 @@
-"""Recorded programs on emulated machines: a trace's calls, window by window and frame by frame."""
+"""Replays recorded programs on emulated machines: the calls of a trace, by window and by frame."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 _ENDLESS = 1 << 62
-_MOST_COUNTED = 1 << 20  # frames that are asked for one by one
+_MOST_COUNTED = 1 << 20  # the most frames of one range
 
 
 @dataclass(frozen=True)

@@ -15,16 +15,17 @@ from fixedpipe.effects.replays import glretrace
 
 # The differences, of 255, within which pixels are counted.
 NEAR, FAR = 1, 8
-# A picture of differences shows them so many times as large. Assumed: one of 1 can be seen then.
+# A picture of differences shows them so many times as large. Assumed: then a difference of 1 can be seen.
 _AMPLIFIED = 16
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How near two pictures are: shares of pixels from 0 to 1, by each pixel's largest difference of 255.
+    """How close two pictures are: shares of pixels, from 0 to 1. The largest difference of a pixel's channels
+    counts, in units of 1/255.
 
-    - ``equal``: those without a difference; ``near``: within 1; ``far``: within 8.
-    - ``largest``: difference of all.
+    - ``equal``: the share without a difference; ``near``: within 1; ``far``: within 8.
+    - ``largest``: the largest difference of all pixels.
     """
 
     equal: float
@@ -34,7 +35,7 @@ class Agreement:
 
     @classmethod
     def of(cls, ours: NDArray[np.uint8], theirs: NDArray[np.uint8]) -> "Agreement":
-        """Of two pictures of the same shape, uint8 [h, w, 3]."""
+        """The Agreement of two pictures of the same shape, uint8 [h, w, 3]."""
         apart = _apart(ours, theirs).max(axis=-1)
         shares = [float((apart <= limit).mean()) for limit in (0, NEAR, FAR)]
         return cls(*shares, largest=int(apart.max()))
@@ -45,7 +46,7 @@ class Agreement:
 
 
 def _percent(share):
-    """A share in per cent, rounded down, so that 100 % are all."""
+    """A share in per cent, rounded down, so that only all pixels give 100 %."""
     return f"{int(share * 1e4) / 100:g} %"
 
 
@@ -76,7 +77,7 @@ class Beside:
         return Agreement.of(ours, self.picture)
 
     def said(self, ours: NDArray[np.uint8]) -> str:
-        """A sentence's end about it and our picture."""
+        """The end of a sentence that compares Mesa's picture with ours."""
         if self.picture is None:
             return self.doubt
         found = self.agreement(ours)
@@ -86,13 +87,13 @@ class Beside:
         return f"{found} ({self.doubt})" if self.doubt else str(found)
 
     def data(self, ours: NDArray[np.uint8]) -> dict[str, Any]:
-        """The same for JSON."""
+        """The comparison as values for JSON."""
         found = self.agreement(ours)
         return {"doubt": self.doubt} | ({} if found is None else vars(found))
 
 
 def mesas_pictures(path: str, calls: Sequence[int]) -> list[Beside]:
-    """Mesa's pictures of a trace behind these calls, which end frames. Raises GlretraceError."""
+    """Mesa's pictures of a trace after these calls, which end frames. Raises GlretraceError."""
     with glretrace.display() as shown:
         first, second = (glretrace.pictures(shown, path, calls) for _ in range(2))
     return [_judged(first.get(call), second.get(call)) for call in calls]

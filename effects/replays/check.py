@@ -1,10 +1,10 @@
-"""Compares the answers that a trace recorded with the Context's own: an oracle for its state.
+"""Compares the answers that a trace recorded with the Context's answers. This tests the Context's state.
 
-Compared is what depends on the calls alone: Get, IsEnabled and its like, GenLists, RenderMode. Answers that
-depend on a driver are left out: limits, strings, and pixels that are read.
+It compares answers that depend only on the calls: Get, IsEnabled and similar ones, GenLists, RenderMode. It
+leaves out answers that depend on a driver: limits, strings, and pixels that are read.
 
-Occlusion queries are counted apart: two drivers place the edges of triangles differently, so that counts that
-differ a little are both right.
+It counts occlusion queries separately. Two drivers place the edges of triangles differently, so two counts
+that differ a little may both be right.
 """
 
 from dataclasses import dataclass, field
@@ -16,17 +16,17 @@ from fixedpipe.pipeline.opengl.context import Context
 from fixedpipe.pipeline.opengl.queries import agrees, answer
 from fixedpipe.pipeline.traces.calls import Call
 
-# Calls beside queries that return an answer.
+# Calls that return an answer and are not queries.
 ANSWERING = {"glGenLists", "glRenderMode"}
-# Queries of how many samples passed, and what of them is no number of samples but a matter of time.
+# Queries of how many samples passed, and whether the number is available yet.
 _OF_SAMPLES = ("glGetQueryObject", "glGetOcclusionQuery")
-# Different answers that are told apart; the rest are counted.
+# The most different answers that are stored; the rest are only counted.
 _MOST_TOLD = 100
 
 
 @dataclass(frozen=True)
 class Difference:
-    """An answer that differs: the call, its question, the Context's answer and the trace's."""
+    """An answer that differs: the call's number, its question, the Context's answer and the trace's."""
 
     call: int
     asked: str
@@ -39,10 +39,11 @@ class Difference:
 
 @dataclass
 class Check:
-    """Counts answers: ``compared``, of which ``differing`` differ; ``differences`` has the first of these.
+    """Counts answers: ``compared`` ones, and ``differing`` ones among them. ``differences`` has the first of
+    the latter.
 
-    - ``counts``: how many counts of samples there were, of which ``equal_counts`` are the machine's.
-    - ``widest_count``: the largest difference of these, as a fraction of the larger count.
+    - ``counts``: how many counts of samples were compared; ``equal_counts``: how many of them are equal.
+    - ``widest_count``: the largest difference of two counts, as a fraction of the larger one.
     """
 
     compared: int = 0
@@ -66,7 +67,7 @@ class Check:
         self._count(call, answered, recorded)
 
     def _count_samples(self, call, ours):
-        """Compare a count; whether one is there yet is a matter of time."""
+        """Compare a count of samples. Whether it is available yet depends on time, and is not compared."""
         recorded = only(call.arguments[-1])
         if call.arguments[1] != tokens.QUERY_RESULT or not isinstance(recorded, int):
             return
@@ -75,7 +76,7 @@ class Check:
         self.widest_count = max(self.widest_count, abs(ours - recorded) / max(ours, recorded, 1))
 
     def returned(self, call: Call, ours: Any) -> None:
-        """Compare what a call returned."""
+        """Compare the value that a call returned."""
         if call.result is not None and ours is not None:
             self._count(call, (ours,), call.result)
 

@@ -1,4 +1,4 @@
-"""Opens a trace, reads it call by call, and gives the requested frames one by one."""
+"""Opens a trace, reads it call by call, and yields the requested frames one by one."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -16,13 +16,13 @@ from fixedpipe.pipeline.traces.calls import Trace, TraceError
 
 
 class _Counted:
-    """A file that counts the bytes that were read of it."""
+    """A file that counts the bytes that were read from it."""
 
     def __init__(self, file: BinaryIO):
         self._file, self.place = file, 0
 
     def read(self, size: int) -> bytes:
-        """As a file's."""
+        """As ``read`` of a file."""
         data = self._file.read(size)
         self.place += len(data)
         return data
@@ -30,9 +30,9 @@ class _Counted:
 
 @contextmanager
 def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
-    """(Trace, a function that gives the share of its file that was read, or None for a pipe).
+    """(Trace, a function that returns which share of the file was read, or None for a pipe).
 
-    ``-`` is standard input. Raises Refusal if the file is no trace.
+    ``-`` is standard input. Raises Refusal if the file is not a trace or cannot be read.
     """
     try:
         if path == "-":
@@ -57,9 +57,9 @@ def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
 def frames_of(
     trace: Trace, replay: Replay, asked: FramesAsked, *, to_the_end: bool = False
 ) -> Iterator[Frame]:
-    """All frames of a trace, up to the last requested one, or ``to_the_end``.
+    """All frames of a trace, up to the last requested one. ``to_the_end``: whether to read the whole trace.
 
-    Frames after the last requested one are not drawn, and not given.
+    Frames after the last requested one are neither drawn nor yielded.
     """
     over = False
     for call in trace:
@@ -81,10 +81,10 @@ def frames_of(
 def drawn_frames(
     path: str | os.PathLike[str], profile: Profile, frames: str | None = None, *, threads: int | None = None
 ) -> Iterator[Frame]:
-    """The requested frames of a trace, each with its ``image``: for tests, for instance.
+    """The requested frames of a trace, each with its ``image``; for example for tests.
 
-    ``frames``: as ``3,10-20``, or ``all``; None: the first that draws something. Raises Refusal where the
-    trace cannot be read or lacks one of them, and ValueError for a list that is none.
+    ``frames``: such as ``3,10-20``, or ``all``; None: the first frame that draws something. Raises Refusal if
+    the trace cannot be read, is damaged or lacks one of them, and ValueError if ``frames`` has another form.
     """
     asked, found, where = FramesAsked.of(frames), [], os.fspath(path)
     replay = Replay(profile, wanted=asked.wants, needed=asked.may_want, threads=threads)
@@ -105,7 +105,7 @@ def frame_of_trace(
 ) -> tuple[tuple[Command, ...], int, int, int]:
     """(commands, width, height, number) of a frame of a trace; None: the first that draws something.
 
-    Raises Refusal where there is no such frame.
+    Raises Refusal if there is no such frame.
     """
     asked = FramesAsked.of(None if number is None else str(number))
     replay = Replay(profile, wanted=lambda *_: False, needed=asked.may_want, recorded=asked.may_want)
@@ -119,7 +119,7 @@ def frame_of_trace(
 
 
 def no_such_frame(number: int | None, frames: int) -> str:
-    """That a trace lacks a frame: the end of a sentence."""
+    """The end of a sentence which says that a trace lacks a frame. ``frames``: how many frames it has."""
     if not frames:
         return "has no frame: nothing is drawn."
     if number is None:

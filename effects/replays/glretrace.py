@@ -1,6 +1,6 @@
-"""Mesa's own replay of a trace: glretrace, a program of apitrace, on llvmpipe and a display in memory.
+"""Replays a trace with Mesa: glretrace, a program of apitrace, draws with llvmpipe on a display in memory.
 
-glretrace is optional: without it, ``missing`` says in a sentence how to get it.
+glretrace is optional. Without it, ``missing`` returns a sentence that says how to get it.
 """
 
 import json
@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 _NEEDED = {"glretrace": "apitrace", "Xvfb": "xvfb"}
 # The display's pixels and bits. Assumed: no window of the time was larger.
 _SCREEN = "2048x2048x24"
-# Seconds after which a replay is given up. Assumed: nobody waits for longer.
+# Seconds after which a replay is ended. Assumed: no user waits for longer.
 PATIENCE = 600.0
-# Calls that are named in one command; more are given as several.
+# The most calls that one command names; more calls take several commands.
 _MOST_CALLS = 1000
 
 
@@ -64,7 +64,7 @@ def display() -> Iterator[str]:
 
 
 def environment(shown: str, threads: int) -> dict[str, str]:
-    """A program's variables: the display ``shown``, llvmpipe and its ``threads``."""
+    """The environment variables of a program: the display ``shown``, llvmpipe, and its ``threads``."""
     return {
         **os.environ,
         "DISPLAY": shown,
@@ -95,9 +95,9 @@ def run(shown: str, arguments: Sequence[str], *, threads: int = 2) -> str:
 
 
 def pictures(shown: str, path: str, calls: Iterable[int]) -> dict[int, NDArray[np.uint8]]:
-    """What Mesa shows at each of these calls of a trace: uint8 [h, w, 3], top row first, by the call.
+    """Mesa's pictures at these calls of a trace, by the call: uint8 [h, w, 3], top row first.
 
-    A call of which glretrace writes no picture is left out. Raises GlretraceError.
+    A call for which glretrace writes no picture is left out. Raises GlretraceError.
     """
     from PIL import Image
 
@@ -120,7 +120,7 @@ def state(shown: str, path: str, call: int) -> dict[str, Any]:
     if begin < 0:
         raise GlretraceError(f"glretrace has no state at call {call}; it may lie in a display list.")
     try:
-        # Strings of a driver may hold line feeds.
+        # A driver's strings may contain line feeds.
         return json.loads(said[begin:], strict=False)
     except ValueError as error:
         raise GlretraceError(f"The state at call {call} is no JSON: {error}.") from None

@@ -1,4 +1,4 @@
-"""The file by which apitrace tells a traced program that it runs on one of the machines.
+"""The file gltrace.conf, with which apitrace lets a traced program see one of the machines.
 
 Source: apitrace's docs/USAGE.markdown and wrappers/config.cpp: the file's name, its variables and their form.
 """
@@ -8,17 +8,17 @@ import re
 from fixedpipe.pipeline.opengl.extensions import VERSION, extensions
 from fixedpipe.pipeline.profiles.profile import Profile
 
-# GL_VENDOR and GL_RENDERER by machine. Assumed: as programs of the time looked for them; a driver of the time
-# would settle it. The other machines say what GetString says here.
+# GL_VENDOR and GL_RENDERER by machine. Assumed: programs of the time looked for these; a driver of the time
+# would settle it. For other machines they are what this project's GetString returns.
 _NAMES = {
     "GEFORCE_256": ("NVIDIA Corporation", "GeForce 256/AGP/SSE"),
     "GEFORCE_3": ("NVIDIA Corporation", "GeForce3/AGP/SSE2"),
 }
-_WIDTH = 110  # of the list of extensions; apitrace reads a string over several lines
+_WIDTH = 110  # columns of the list of extensions; apitrace accepts a string over several lines
 
 
 def of_year(profile: Profile, year: int) -> Profile:
-    """The machine with the newest of its dated drivers up to a year; without a driver if there was none
+    """The machine with the newest of its dated drivers up to a year; the machine itself if it had no driver
     yet.
     """
     newest = None

@@ -1,7 +1,7 @@
-"""What a trace uses, without drawing it: functions, extensions, and the calls that each machine would refuse.
+"""Lists what a trace uses, without drawing it: functions, extensions, and the calls that machines refuse.
 
-The machines are judged by the first frames that draw something; functions, frames and draws are counted to
-the end.
+The machines are judged by the first frames that draw something. Functions, frames and draws are counted in
+the whole trace.
 """
 
 from collections import Counter
@@ -17,9 +17,9 @@ from fixedpipe.pipeline.opengl.outcomes import Outcome
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.traces.calls import Call
 
-# Frames with draws by which machines are judged. Assumed: enough for what a game does all the time.
+# Machines are judged by so many frames with draws. Assumed: they show what a game does all the time.
 JUDGED_FRAMES = 10
-# The machine that is named first, where it refuses no more than any other.
+# The machine that is recommended if no other refuses fewer calls.
 _USUAL = "GEFORCE_256"
 
 # How the names of an extension's functions begin, without gl.
@@ -92,9 +92,9 @@ def extension_of(function: str) -> str | None:
 
 @dataclass
 class Verdict:
-    """A machine's refusals in the judged frames: each sentence with its first call and how often it came.
+    """A machine's refusals in the judged frames: each sentence, its first call, and how often it occurred.
 
-    ``without``: what it would draw without.
+    ``without``: features that the machine lacks; it would draw without them.
     """
 
     profile: Profile
@@ -112,10 +112,10 @@ class Verdict:
 class Listing:
     """Counts what a trace uses, call by call.
 
-    - ``profiles``: {key: machine} that are judged.
-    - ``functions``: how often each function is called; ``extensions``: those that are used.
+    - ``profiles``: {key: machine} of the machines to judge.
+    - ``functions``: how often each function is called; ``extensions``: the extensions that are used.
     - ``sizes``: how many frames of each size there are.
-    - ``judged``: frames that the machines were judged by.
+    - ``judged``: how many frames the machines were judged by.
     """
 
     def __init__(self, profiles: Mapping[str, Profile], size: tuple[int, int] | None = None):
@@ -129,7 +129,7 @@ class Listing:
 
     @property
     def replay(self) -> Replay:
-        """The Replay that goes to the end of the trace."""
+        """The Replay that continues to the end of the trace."""
         return self._replays[self._counting]
 
     def take(self, call: Call) -> None:
@@ -145,7 +145,7 @@ class Listing:
             self._ended(frame)
 
     def finish(self) -> None:
-        """The trace has ended."""
+        """Handle the end of the trace."""
         for key, replay in self._replays.items():
             frames = replay.finish()
             if key == self._counting:
@@ -180,12 +180,12 @@ class Listing:
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """By machine, after ``finish``."""
+        """The Verdict of each machine, by key; complete after ``finish``."""
         return self._verdicts
 
     def recommended(self) -> str:
-        """The machine with the fewest refusals, and then the fewest missing features; of several the GeForce
-        256, or the first.
+        """The key of the machine with the fewest refusals, and then the fewest missing features. If several
+        machines are equal: the GeForce 256, or the first.
         """
         costs = {key: (verdict.count, len(verdict.without)) for key, verdict in self._verdicts.items()}
         least = min(costs.values())
@@ -193,7 +193,7 @@ class Listing:
         return _USUAL if _USUAL in best else best[0]
 
     def data(self) -> dict[str, Any]:
-        """All of it for JSON."""
+        """All counts and verdicts as values for JSON."""
         return {
             "calls": self.replay.calls,
             "frames": self.replay.frames,

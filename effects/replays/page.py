@@ -1,4 +1,4 @@
-"""Frames of a trace as one page: several machines and the ideal, Mesa where it can be trusted, and the calls.
+"""A page with frames of a trace, drawn by several machines, the ideal and Mesa, and a summary of the calls.
 
 The page is one file without scripts, and loads no other file.
 """
@@ -25,15 +25,18 @@ from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.profiles import PROFILES
 
-# Machines that a page shows beside the chosen one: without, with and after register combiners.
+# Machines that a page shows in addition to the chosen one: without register combiners, with them, and a later
+# one.
 SHOWN_BESIDE = ("OPENGL_1_2", "GEFORCE_256", "GEFORCE_3")
-# Frames of a page. Assumed: more pictures are no page that anybody reads.
+# The most frames of a page. Assumed: nobody reads a page with more pictures.
 MOST_FRAMES = 24
 
 
 @dataclass
 class _Drawn:
-    """A frame on several machines; ``ideal``: without rounding, or None; ``mesa``: Mesa's, or None."""
+    """A frame on several machines. ``ideal``: its picture without rounding, or None; ``mesa``: that of Mesa,
+    or None.
+    """
 
     frame: Frame
     images: dict[str, NDArray[np.uint8]] = field(default_factory=dict)
@@ -68,7 +71,7 @@ def trace_page(path: str, chosen: str, frames: FramesAsked, *, mesa: bool, threa
 
 
 def _draw(path, key, asked, drawn, is_chosen, threads):
-    """Draw the frames on a machine into ``drawn``; what became of the calls, as lines."""
+    """Draw the frames on a machine into ``drawn``. Returns lines that say what happened to the calls."""
     replay = Replay(
         PROFILES[key],
         wanted=asked.wants,
@@ -93,7 +96,7 @@ def _draw(path, key, asked, drawn, is_chosen, threads):
 
 
 def _ideal(frame: Frame) -> NDArray[np.uint8] | None:
-    """The frame without rounding; None where only machines can draw it."""
+    """The frame's picture without rounding; None if only machines can draw it."""
     assert frame.recording is not None
     commands: Sequence[Command] = frame_commands(frame.recording, frame.shown)
     try:
@@ -124,7 +127,7 @@ def _section(number, each, chosen):
 
 
 def _compared(ours, name, image, doubt):
-    """The figures of another picture of the frame: itself, and its difference where there is one."""
+    """The figures for another picture of the frame: the picture, and if it differs the difference."""
     if doubt or image.shape != ours.shape:
         yield _figure(image, escape(name), escape(doubt or "it has another size"))
         return
@@ -140,7 +143,7 @@ def _figure(image, title, said):
 
 
 def _calls(summaries):
-    """What became of the calls on each machine."""
+    """A list for each machine that says what happened to the calls."""
     parts = []
     for key, lines in summaries.items():
         items = "".join(f"<li>{escape(line)}</li>" for line in lines)

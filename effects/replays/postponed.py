@@ -9,21 +9,21 @@ from collections.abc import Iterator, Sequence
 from fixedpipe.effects.replays.recording import cleared_by, touched_by
 from fixedpipe.pipeline.commands import Bitmap, Clear, Command, Draw, DrawPixels, TexImage
 
-# What reads no colours, depths or stencil values but those of its own pixels.
+# Commands that read colours, depths and stencil values only at their own pixels.
 _WAITING = (Clear, Draw, DrawPixels, Bitmap, TexImage)
-_MOST_WAITING = 20_000  # commands of a program that clears nothing
+_MOST_WAITING = 20_000  # the limit for a program that clears nothing
 
 
 class Postponed:
-    """Commands that wait, in parts; a swap of the buffers is between two of them."""
+    """Commands that wait, in parts. Between two parts there is a swap of the buffers."""
 
     def __init__(self):
         self._parts: list[list[Command]] = [[]]
         self._count = 0
-        self._touched: set[str] = {"color"}  # what any command read or wrote
+        self._touched: set[str] = {"color"}  # the kinds of values that any command read or wrote
 
     def take(self, commands: Sequence[Command]) -> bool:
-        """Let commands wait; False: they read what others draw, or are too many."""
+        """Let commands wait. Returns False if they read what others draw, or if too many wait."""
         if self._count > _MOST_WAITING or not all(type(command) in _WAITING for command in commands):
             return False
         for command in commands:
@@ -33,8 +33,8 @@ class Postponed:
         return True
 
     def swap(self) -> None:
-        """The front buffer shows the back buffer's contents. Commands before its last clear can no longer be
-        seen.
+        """Handle a swap: the front buffer shows the back buffer's contents. Commands before the last clear
+        are dropped, because their result cannot be seen any more.
         """
         for number in reversed(range(len(self._parts))):
             part = self._parts[number]
@@ -49,7 +49,7 @@ class Postponed:
         self._parts.append([])
 
     def take_parts(self) -> Iterator[tuple[Command, ...]]:
-        """The waiting commands, part by part; afterwards none wait."""
+        """The waiting commands, part by part. Afterwards no command waits."""
         parts, self._parts, self._count = self._parts, [[]], 0
         return iter([tuple(part) for part in parts])
 

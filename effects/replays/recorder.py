@@ -1,4 +1,4 @@
-"""OpenGL calls of one's own as a trace, which this project and apitrace's programs replay.
+"""Writes OpenGL calls of your own as a trace, which this project and apitrace's programs replay.
 
     with Recorder("own.trace", 320, 240) as gl:
         gl.Clear(tokens.COLOR_BUFFER_BIT)
@@ -20,7 +20,7 @@ from fixedpipe.pipeline.opengl.entry_points import resolve
 from fixedpipe.pipeline.traces.calls import FAKE
 from fixedpipe.pipeline.traces.writer import Pointer, Struct, TraceWriter
 
-# What the trace calls the display, the window, its context and its visual.
+# The values that stand for the display, the window, its context and its visual in the trace.
 _DISPLAY, _WINDOW, _CONTEXT, _VISUAL = Pointer(0x1000), 0x200001, Pointer(0x2000), 0x21
 # GLX_RGBA, GLX_DOUBLEBUFFER, then GLX_DEPTH_SIZE and GLX_STENCIL_SIZE of at least 24 and 8 bits.
 # Source: GLX 1.3 table 3.1.
@@ -30,12 +30,12 @@ _ATTRIBUTES = [4, 5, 12, 24, 13, 8, 0]
 class Recorder:
     """Writes a trace of a double-buffered window of ``width`` x ``height`` pixels, with one context.
 
-    Every entry point of OpenGL is a method without its gl, as of ``Context``; ``swap`` ends a frame. An array
-    of numbers may be a list or an array. An image or an array of vertices may be bytes, or an array whose
-    bytes are written.
+    Every entry point of OpenGL is a method, without the prefix gl, as in ``Context``. ``swap`` ends a frame.
+    An array of numbers may be a list or an array. An image or an array of vertices may be bytes, or an array
+    whose bytes are written.
 
-    - ``target``: a path, or a binary file. ``properties``: of the trace, by name.
-    - ``settings``: TraceWriter's.
+    - ``target``: a path, or a binary file. ``properties``: the trace's properties, by name.
+    - ``settings``: the other arguments of TraceWriter.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Recorder:
         names = ["dpy", "vis", "shareList", "direct"]
         call("glXCreateContext", names, [_DISPLAY, visual, None, True], _CONTEXT)
         call("glXMakeCurrent", ["dpy", "drawable", "ctx"], [_DISPLAY, _WINDOW, _CONTEXT], True)
-        # apitrace says the window's size in the same way.
+        # apitrace records the window's size in the same way.
         for name in ("glViewport", "glScissor"):
             call(name, ["x", "y", "width", "height"], [0, 0, width, height], flags=FAKE)
 
@@ -66,7 +66,7 @@ class Recorder:
         self.close()
 
     def close(self) -> None:
-        """Write the rest, and close the file if it was opened here."""
+        """Write the remaining data. Close the file, if this object opened it."""
         self._trace.close()
 
     def swap(self) -> int:
@@ -88,9 +88,9 @@ class Recorder:
 
 
 def _written(argument):
-    """An argument as a trace has it."""
+    """An argument in the form that a trace can hold."""
     if isinstance(argument, np.ndarray):
         return np.ascontiguousarray(argument).tobytes()
     if type(argument) is tuple:
         return list(argument)
-    return argument.item() if hasattr(argument, "item") else argument  # a number of NumPy's
+    return argument.item() if hasattr(argument, "item") else argument  # a number of NumPy has ``item``

@@ -1,6 +1,6 @@
-"""The content of a frame of a trace: its commands, and the machine's textures and framebuffers when it began.
+"""The content of a frame of a trace: its commands, and the machine's textures and framebuffers at its start.
 
-``frame_commands`` makes it a frame of its own, which a new machine draws with the same bits.
+``frame_commands`` makes an independent frame of it, which a new machine draws with the same bits.
 """
 
 from collections.abc import Iterable, Iterator
@@ -38,11 +38,11 @@ _DEFINING = (TexImage, CopyTexImage, BindTexImage)
 
 @dataclass(eq=False)
 class Recording:
-    """A frame as it is drawn.
+    """A frame, recorded while it is drawn.
 
-    - ``textures``: those that the machine held when it began, by name.
-    - ``framebuffers``: copies of the window's buffers and of the pbuffers, by name, when it began.
-    - ``commands``: (the buffer of the window that it draws into, a command) in order; None: into none.
+    - ``textures``: the machine's textures at the start of the frame, by name.
+    - ``framebuffers``: copies of the window's buffers and of the pbuffers at the start, by name.
+    - ``commands``: (buffer of the window that the command draws into, or None; command), in order.
     """
 
     textures: dict[str, Texture]
@@ -55,10 +55,10 @@ class Recording:
 
 
 def frame_commands(recording: Recording, shown: str) -> tuple[Command, ...]:
-    """The commands of a frame that leave in the window what ``shown``, a buffer or a pbuffer, showed.
+    """The commands of a frame that leave in the window the contents of ``shown``, a buffer or a pbuffer.
 
-    They begin with what its machine held, as far as the frame reads it: textures, colours, depths, stencil
-    values. A pbuffer that is shown takes the window's place.
+    They first restore the machine's earlier contents that the frame reads: textures, colours, depths and
+    stencil values. If a pbuffer is shown, it replaces the window.
     """
     commands = _of_buffer(recording.commands, shown)
     pbuffers = {c.surface for c in commands if isinstance(c, MakeCurrent) and c.surface is not None}
@@ -73,7 +73,7 @@ def frame_commands(recording: Recording, shown: str) -> tuple[Command, ...]:
 
 
 def _of_buffer(recorded, shown):
-    """The commands that concern the shown buffer: those into other buffers of the window are left out."""
+    """The commands without those that draw into other buffers of the window than the shown one."""
     kept, surface, surfaces = [], None, {c.surface for _, c in recorded if isinstance(c, MakeCurrent)}
     for buffer, command in recorded:
         if isinstance(command, MakeCurrent):
@@ -85,7 +85,7 @@ def _of_buffer(recorded, shown):
 
 
 def _as_window(commands, shown) -> Iterator[Command]:
-    """The commands with the pbuffer ``shown`` as the window, and without those for the window itself."""
+    """The commands in which the pbuffer ``shown`` is the window, without the commands for the old window."""
     surface = None
     for command in commands:
         kind = type(command)
@@ -103,7 +103,7 @@ def _as_window(commands, shown) -> Iterator[Command]:
 
 
 def _drawn_into(commands, wanted):
-    """The commands that a framebuffer is current for; None: the window."""
+    """The commands that draw into the pbuffer ``wanted``; None: into the window."""
     surface = None
     for command in commands:
         if isinstance(command, MakeCurrent):
@@ -140,7 +140,7 @@ def _used_by(command):
 
 
 def _contents(framebuffer, surface, drawn, commands) -> Iterator[Command]:
-    """Commands that give a framebuffer its contents, as far as the frame does not clear them first."""
+    """Commands that restore the contents of a framebuffer, except those that the frame clears first."""
     needed = _read_before_cleared(drawn)
     parts = [part for part in _parts(framebuffer) if part[0] in needed]
     if not parts:
@@ -160,11 +160,11 @@ def _contents(framebuffer, surface, drawn, commands) -> Iterator[Command]:
 
 
 def _parts(framebuffer):
-    """(what, its image, the state that draws it) of what differs from an empty framebuffer's."""
+    """(kind of values, their image, the state that draws it), for values that an empty framebuffer lacks."""
     depth, stencil, color = framebuffer.depth, framebuffer.stencil, framebuffer.color
     farthest = np.uint64(2**framebuffer.depth_bits - 1)
     if not framebuffer.depth_format.is_float and (depth != farthest).any():
-        # The depths as fractions of 32 bits, from which the machine gets the same ones.
+        # The depths as fractions of 32 bits. The machine converts them to the same depths.
         scaled = (depth.astype(np.uint64) * np.uint64(2**32 - 1) + farthest // 2) // farthest
         image = PixelImage(scaled.astype(np.uint32)[::-1], "DEPTH_COMPONENT")
         state = PassState(color_mask=_NONE, depth_test=DepthTest(ComparisonFunction.ALWAYS, True))
@@ -178,14 +178,14 @@ def _parts(framebuffer):
 
 
 def _read_before_cleared(commands):
-    """Which of color, depth and stencil value the commands may read or keep before they clear them."""
+    """Which of color, depth and stencil value the commands may read, or leave, before they clear them."""
     open_, needed = {"color", "depth", "stencil value"}, set()
     for command in commands:
         if type(command) is Clear:
             open_ -= cleared_by(command)
         else:
             needed |= touched_by(command) & open_
-    return needed | (open_ & {"color"})  # colours that nobody clears are seen in the end
+    return needed | (open_ & {"color"})  # colours that no command clears are seen in the end
 
 
 def cleared_by(command: Clear) -> set[str]:

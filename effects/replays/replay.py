@@ -1,10 +1,10 @@
-"""A trace on a machine, call by call: what draws, where a frame ends, and its picture.
+"""Replays a trace on a machine, call by call: it draws, finds where frames end, and makes their pictures.
 
 A frame ends
 - at a swap of its drawable's buffers;
-- of a single-buffered window at Flush or Finish after a draw;
+- at Flush or Finish after a draw, in a single-buffered window;
 - at FrameTerminatorGREMEDY;
-- at the end of its context or of the trace, where something was drawn since the last one.
+- at the end of its context or of the trace, if something was drawn since the last frame.
 
 A swap shows the back buffer, Flush and Finish show the front buffer. Every other end shows the buffer that
 was drawn into last, which may be a framebuffer object.
@@ -29,8 +29,8 @@ from fixedpipe.pipeline.opengl.outcomes import Tally
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.traces.calls import FAKE, Call
 
-THE_END = "the trace's end"  # what ends a frame that no call ends
-# Commands that wait at most, so that a program without frames does not fill the memory.
+THE_END = "the trace's end"  # it ends a frame that no call ends
+# The most commands that wait, so that a program without frames does not fill the memory.
 _MOST_WAITING = 4096
 _BUFFERS = {
     tokens.NONE: (),
@@ -48,14 +48,14 @@ _BUFFERS = {
 class Frame:
     """A frame that has ended.
 
-    - ``number``: counted from 0, of all windows.
+    - ``number``: from 0; the frames of all windows are counted together.
     - ``window``: the number of its window; ``width``, ``height``: the picture's size in pixels.
     - ``first_call``, ``last_call``: its first and its last call.
     - ``ended``: the call that ended it, or "the trace's end".
     - ``seen_call``: the call after which its picture is complete: a swap, Flush, Finish, or the last draw.
     - ``draws``: how many draws it has; ``refused``: how many of these the machine refused.
     - ``image``: uint8 [h, w, 4], top row first; None: it was not requested.
-    - ``recording``: its Recording, if that was requested; ``shown``: the buffer that is shown.
+    - ``recording``: the frame's Recording, if it was requested; ``shown``: the buffer that is shown.
     """
 
     number: int
@@ -83,15 +83,16 @@ class Replay:
         for frame in replay.finish():
             ...
 
-    - ``wanted``: whether the picture of a frame is requested, by its number and its draws.
-    - ``needed``: whether it may be requested, by its number; the other frames may stay undrawn.
-    - ``recorded``: whether the Recording of a frame is requested, by its number.
-    - ``size``: of every window; None: as the trace says.
+    - ``wanted``: a function of a frame's number and its draws: whether its picture is requested.
+    - ``needed``: a function of a frame's number: whether its picture may be requested. Others may stay
+      undrawn.
+    - ``recorded``: a function of a frame's number: whether its Recording is requested.
+    - ``size``: (width, height) of every window; None: the sizes of the trace.
     - ``target``: the kind of Target that commands run on.
-    - ``check``: compares the trace's own answers, or None.
-    - ``threads``: that draw; None: one per processor. Any number gives the same bits.
-    - ``tally``: what became of the calls.
-    - ``calls``, ``frames``, ``draws``, ``refused`` draws among these: how many there were.
+    - ``check``: a Check, which compares the answers that the trace recorded; or None.
+    - ``threads``: how many threads draw; None: one per processor. Any number gives the same bits.
+    - ``tally``: counts what happened to the calls.
+    - ``calls``, ``frames``, ``draws``: how many there were; ``refused``: how many draws were refused.
     """
 
     def __init__(
@@ -112,22 +113,22 @@ class Replay:
         self._wanted, self._needed, self._recorded, self._kind = wanted, needed, recorded, target
         self._threads = threads
         self._targets: dict[Window, Target] = {}
-        self._running: GLContext | None = None  # whose commands wait
-        self._buffers: tuple[Any, Any] = (None, None)  # that they draw into and read from, as OpenGL's tokens
+        self._running: GLContext | None = None  # the context whose commands wait
+        self._buffers: tuple[Any, Any] = (None, None)  # they draw into the first, read the second: tokens
         self._first_call = 0
         self._last_call = 0
-        self._last_commanding = 0  # the last call that gave commands
+        self._last_commanding = 0  # the last call that made commands
         self._drawing = True
-        self._markers: list[str] = []  # the program's own, of the draws to come
+        self._markers: list[str] = []  # the program's debug markers for the next draws
         self._event = ""
-        self._unlabelled = 0  # waiting commands that have their markers
-        self._before = 0  # commands that waited before the present call
-        self._counters: dict[GLContext, SampleCounter] = {}  # of contexts with a query that is begun
+        self._unlabelled = 0  # how many waiting commands have their markers
+        self._before = 0  # how many commands waited before the present call
+        self._counters: dict[GLContext, SampleCounter] = {}  # of contexts with an active query
 
     # --------------------------------------------------------------------------------------------- calls
 
     def take(self, call: Call) -> Sequence[Frame]:
-        """Answer a call; returns the frames that it ends."""
+        """Carry out a call. Returns the frames that it ends."""
         self.calls += 1
         name = call.name
         self.windows.tally.call = self._last_call = call.number
@@ -148,7 +149,7 @@ class Replay:
             self.windows.tally.add("no effect", name)
             return _OWN[name](self, context, call)
         if name.startswith(_QUERIES) and not name.startswith(_RESETTING):
-            self.windows.tally.add("no effect", name)  # the program has its answer
+            self.windows.tally.add("no effect", name)  # the program has got its answer already
             if self.check is not None:
                 self.check.query(context.gl, call)
             return ()
@@ -166,12 +167,12 @@ class Replay:
         return ()
 
     def finish(self) -> Sequence[Frame]:
-        """The trace has ended; returns the frames that end with it."""
+        """Handle the end of the trace. Returns the frames that end with it."""
         self._run_waiting()
         return [frame for window in list(self._targets) for frame in self._end_if_drawn(window, THE_END)]
 
     def stop_drawing(self) -> None:
-        """From now on nothing is drawn or counted: calls change the state, and answers are compared."""
+        """From now on draw and count nothing. Calls still change the state, and answers are compared."""
         self._drawing = False
         self.windows.count_in(Tally())
 
@@ -187,7 +188,7 @@ class Replay:
         return (self._end(window, call.name, self._target(window), BACK, swapped=True),)
 
     def _switch(self, context):
-        """Another context's commands are to run now."""
+        """Let the commands of another context run from now on."""
         self._run_waiting()
         self._running = context
         context.gl.behind = self
@@ -195,7 +196,7 @@ class Replay:
         self._buffers = values["draw_buffer"], values["read_buffer"]
 
     def _run_waiting(self, count: int | None = None) -> None:
-        """Run the commands that wait, or the first ``count`` of them."""
+        """Run the waiting commands, or only the first ``count`` of them."""
         context = self._running
         if context is None or not context.gl.commands:
             return
@@ -216,7 +217,7 @@ class Replay:
         self.refused += target.refused - refused
 
     def _where(self, window):
-        """(buffers that are drawn into, the one that is read)."""
+        """(the buffers that commands draw into, the buffer that they read)."""
         if window.double is False:
             return (FRONT,), FRONT
         draws, reads = self._buffers
@@ -234,7 +235,7 @@ class Replay:
         return found
 
     def _forget_windows(self, kept):
-        """Forget the windows that were drawn into first, where there are too many; ``kept`` stays."""
+        """If the windows have too many pixels, forget those that were made first. ``kept`` stays."""
         pixels = sum(target.width * target.height for target in self._targets.values())
         for window in list(self._targets):
             if pixels <= MOST_PIXELS or window is kept:
@@ -245,7 +246,7 @@ class Replay:
     # ---------------------------------------------------------- what a Context asks of its machine (Behind)
 
     def read(self, command: ReadPixels) -> NDArray[Any]:
-        """Draw the waiting commands, and read; zeros if nothing is drawn."""
+        """Draw the waiting commands, and read the pixels. Returns zeros if nothing is drawn."""
         self._run_waiting()
         self._before = 0
         if not self._drawing:
@@ -254,12 +255,12 @@ class Replay:
         return self._target(window).read(command, *self._where(window))
 
     def depth_bits(self) -> int:
-        """The width of a depth that ``read`` gives."""
+        """How many bits a depth of ``read`` has."""
         return self._target(self._running.window).depth_bits()
 
     def count_samples(self, begun: bool) -> int | None:
-        """Begin to count, or end counting and return the count; None: no count is compared, or nothing is
-        drawn.
+        """Begin to count samples, or end counting and return the count. Returns None at the beginning, if no
+        count is compared, or if nothing is drawn.
         """
         if self.check is None or not (self._drawing and issubclass(self._kind, Drawn)):
             self._counters.clear()
@@ -279,7 +280,9 @@ class Replay:
         return (self._end(window, name, *target.shown()),) if target is not None and target.drawn_into else ()
 
     def _end(self, window, name, shown, buffer, *, swapped=False):
-        """The frame of a window, which shows a buffer of a Target. ``swapped``: its buffers are then."""
+        """End a frame of a window, which shows a buffer of the Target ``shown``. ``swapped``: whether the
+        window's buffers are swapped then.
+        """
         target, number = self._target(window), self.frames
         recording, wanted = shown.recording, self._wanted(number, target.draws)
         frame = Frame(
@@ -310,7 +313,7 @@ class Replay:
         return frame
 
     def _begin_frame(self):
-        """Record what is asked for; let wait what is not, where there is one window."""
+        """Record the frame if it is requested. If it is not needed and there is one window, let it wait."""
         recorded = self._recorded(self.frames)
         waits = not (recorded or self._needed(self.frames)) and len(self._targets) == 1
         for target in self._targets.values():
@@ -323,13 +326,13 @@ class Replay:
     # -------------------------------------------------------------------------------- calls of its own
 
     def _flush(self, context, call, waiting):
-        """Flush or Finish."""
+        """Handle Flush or Finish."""
         window = context.window
         if window.double and not window.unbound:
             return ()
         self._run_waiting()
         target = self._targets.get(window)
-        if window.unbound:  # its swaps are not recorded
+        if window.unbound:  # the trace has no swaps of this window
             return self._end_if_drawn(window, call.name)
         if target is not None and FRONT in target.drawn_into:
             self._last_commanding = call.number
@@ -341,7 +344,7 @@ class Replay:
         return (self._end(context.window, call.name, *self._target(context.window).shown()),)
 
     def _choose_buffers(self, context, call, waiting):
-        """The buffers may be others now; what waited draws into the earlier ones."""
+        """The buffers may have changed. If so, the commands that waited draw into the earlier ones."""
         values = context.gl.values
         now = values["draw_buffer"], values["read_buffer"]
         if now != self._buffers:
@@ -365,7 +368,7 @@ class Replay:
     # ------------------------------------------------------------------------------------------- markers
 
     def _label(self):
-        """Write the program's markers into the labels of the commands that came since."""
+        """Write the program's markers into the labels of the commands since the last marker."""
         commands = self._running.gl.commands
         words = [*self._markers, self._event] if self._event else self._markers
         if words:
@@ -397,8 +400,8 @@ class Replay:
 
 
 _QUERIES = ("glGet", "glIs")
-_RESETTING = ("glGetHistogram", "glGetMinmax")  # they may reset what they tell
-_MOST_MARKERS = 64  # as many groups as KHR_debug asks for
+_RESETTING = ("glGetHistogram", "glGetMinmax")  # they may reset the values that they return
+_MOST_MARKERS = 64  # as many nested groups as KHR_debug requires
 _LONGEST_MARKER = 80
 
 

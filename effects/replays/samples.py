@@ -1,7 +1,7 @@
-"""How many samples pass while an occlusion query is begun: fragments that pass every per-fragment test.
+"""Counts the samples of an occlusion query: the fragments that pass every per-fragment test.
 
-The machine records the fragments of each draw, and whether each passed (``Fragments.passed``). That takes
-time and memory, so it is done draw by draw, and only where something is compared with the count.
+The machine records the fragments of each draw, and whether each passed (``Fragments.passed``). This takes
+time and memory, so it is done draw by draw, and only if the count is compared with a recorded one.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,7 +16,7 @@ _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 @dataclass(eq=False)
 class SampleCounter:
-    """``samples``: how many have passed since the query was begun."""
+    """Counts samples. ``samples``: how many have passed since the query began."""
 
     samples: int = 0
 
@@ -38,6 +38,6 @@ def by_draws(commands: Sequence[Command]) -> Iterator[tuple[Command, ...]]:
 
 
 def gives_fragments(commands: Sequence[Command]) -> bool:
-    """Whether drawing such a part gives fragments: rectangles of stencil values give none."""
+    """Whether drawing such a part makes fragments. Rectangles of stencil values make none."""
     last = commands[-1]
     return not isinstance(last, DrawPixels | CopyPixels) or kind_of(last) is not PixelCopyType.STENCIL

@@ -1,4 +1,4 @@
-"""A frame of commands as a Python script, and its arrays as an NPZ file beside it."""
+"""Writes a frame of commands as a Python script, and its arrays as an NPZ file next to it."""
 
 import hashlib
 import io
@@ -37,7 +37,7 @@ commands = (
 
 
 class _Writer:
-    """Writes values as expressions; equal states stand in it once, under names."""
+    """Writes values as expressions. Equal states are written once, and have names."""
 
     def __init__(self):
         self.arrays: dict[str, NDArray[Any]] = {}
@@ -95,7 +95,7 @@ class _Writer:
         return text
 
 
-# By a value's class, the first that fits: a member of an enumeration may be a number as well.
+# By a value's class. The first that fits counts, because a member of an enumeration may also be a number.
 _WRITERS = (
     (Enum, _Writer._member),
     (np.ndarray, _Writer._array),
@@ -119,16 +119,16 @@ def _given(value):
 def _same(value, default):
     try:
         return value is default or (type(value) is type(default) and bool(value == default))
-    except ValueError:  # it holds arrays
+    except ValueError:  # the value contains arrays
         return False
 
 
 def script_text(
     commands: Iterable[Command], profile: str, width: int, height: int, title: str
 ) -> tuple[str, dict[str, NDArray[Any]]]:
-    """(text of a script, the arrays of its NPZ file) that draw the commands on a machine.
+    """(text, arrays): a script that draws the commands on a machine, and the arrays of its NPZ file.
 
-    Raises ValueError for a HostStep, whose function is no data.
+    Raises ValueError for a HostStep, because its function cannot be written as data.
     """
     writer, lines = _Writer(), []
     for command in commands:
@@ -161,5 +161,5 @@ def npz_bytes(arrays: dict[str, NDArray[Any]]) -> bytes:
 
 
 def npz_beside(script: Path) -> Path:
-    """Where the arrays of a script stand."""
+    """The path of the NPZ file of a script."""
     return script.with_suffix(".npz")

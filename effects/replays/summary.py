@@ -1,4 +1,4 @@
-"""What became of a trace's calls, in words and as data."""
+"""A summary of what happened to a trace's calls, in words and as data."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.opengl.outcomes import Outcome, Tally
 
-# The kinds of a Tally, in the order in which they are told, and in words.
+# The kinds of a Tally in words, in the order in which a summary lists them.
 KINDS = {
     "drawn": "drawn",
     "no effect": "of no effect here",
@@ -16,7 +16,7 @@ KINDS = {
     "left out": "left out, because OpenGL leaves them undefined",
     "unknown": "of functions that are unknown here",
 }
-# Of these each sentence is told, of the others the names.
+# For these kinds a summary lists sentences, for the others names.
 _SENTENCES = ("error", "refused", "left out", "lit here")
 _MOST_NAMES, _MOST_SENTENCES = 8, 12
 
@@ -27,7 +27,9 @@ def is_refused(tally: Tally) -> bool:
 
 
 def summary_lines(tally: Tally) -> Iterator[str]:
-    """Lines of text: of each kind how often, and sentences with their first calls, of refusals all."""
+    """Lines of text: for each kind its number, and names or sentences with their first calls. All sentences
+    of refusals are listed.
+    """
     for kind, words in KINDS.items():
         total = tally.count(kind)
         if not total:
@@ -54,18 +56,18 @@ def _is_sentence(what):
 
 
 def missing_features(tally: Tally) -> tuple[Outcome, ...]:
-    """Features that a program uses and the machine lacks, without an error: it draws without them."""
+    """Features that a program uses and the machine lacks. This is no error: it draws without them."""
     return tuple([outcome for outcome in tally.of("no effect") if _is_sentence(outcome.what)])
 
 
 def outcome_line(outcome: Outcome) -> str:
-    """A sentence with its first call, and how often it came."""
+    """A line with a sentence, its first call, and how often it occurred."""
     often = f", {outcome.count} times in all" if outcome.count > 1 else ""
     return f"  call {outcome.first_call}{often}: {outcome.what}"
 
 
 def summary_data(tally: Tally) -> dict[str, list[dict[str, Any]]]:
-    """The same for JSON."""
+    """The summary as values for JSON."""
     return {
         kind: [
             {"what": what, "first_call": first, "count": times}

@@ -1,16 +1,16 @@
-"""A window's commands run on a machine of its own, or only on the validation of one.
+"""A window's commands run on a machine of its own, or are only validated.
 
 **Refusals.** A machine validates a list of commands, and refuses the whole list for one wrong command. Only
-then are the commands validated one after the other; each refused one is counted with its sentence, and the
-others run.
+in this case are the commands validated one after the other. Each refused one is counted with its sentence,
+and the others run.
 
-**Front and back.** A machine has one colour buffer. It holds the contents of the buffer that is drawn into.
-The contents of the others are stored separately, and are exchanged when the program draws into another
-buffer. So all have the same depths and stencil values, as OpenGL's buffers have. A swap copies the back
-buffer's contents to the front.
+**Front and back.** A machine has one colour buffer. It holds the contents of the buffer that commands draw
+into. The contents of the others are stored separately, and are exchanged when the program draws into another
+buffer. So all buffers share depths and stencil values, as in OpenGL. A swap copies the back buffer's contents
+to the front buffer.
 
 **Framebuffer objects** are pbuffers. On a machine without pbuffers each framebuffer object is a window of its
-own, from which CopyTexImage defines the texture, as programs of the time did.
+own. CopyTexImage then defines the texture from this window, as programs of the time did.
 """
 
 import re
@@ -55,29 +55,29 @@ from fixedpipe.pipeline.validation.walk import Walk
 
 DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 _WRITING = (*DRAWING, Accum, Clear)
-_OF_THE_HOST = (HostStep, GetTexImage, ReadPixels)  # a frame by itself has what they led to
-# Pixels of the windows, and of the pbuffers, that are kept: some 600 MB. Assumed: no program has more.
+_OF_THE_HOST = (HostStep, GetTexImage, ReadPixels)  # a recording holds their results instead
+# The most pixels of stored windows, and of stored pbuffers: some 600 MB. Assumed: no program has more.
 MOST_PIXELS = 1 << 26
 BACK, FRONT = "back", "front"
-# How a command's label ends: the call, and its number.
+# The end of a command's label: the call, and its number.
 _LABEL = re.compile(r"(\w+) \(call (\d+)\)$")
-# How a refusal's sentence begins: with the command's place and label.
+# The beginning of a refusal's sentence: the command's place and label.
 _PLACE = re.compile(r'^Command \d+(?:, ".*?")?: ', re.DOTALL)
 
 
 @dataclass(eq=False)
 class Target:
-    """Where the commands of a window run.
+    """The place where the commands of a window run.
 
-    - ``textures``: those of the contexts' group, by name.
-    - ``threads``: that draw; None: one per processor.
-    - ``draws``: draws since the last frame ended, refused ones among them; ``refused``: those alone.
-    - ``fragments``: of all frames.
-    - ``last``: what was drawn into last: a buffer, a pbuffer's name, or the Target of a framebuffer object.
+    - ``textures``: the textures of the contexts' group, by name.
+    - ``threads``: how many threads draw; None: one per processor.
+    - ``draws``: draws since the last frame ended, with refused ones; ``refused``: only the refused ones.
+    - ``fragments``: how many fragments all frames had.
+    - ``last``: the last destination of draws: a buffer, a pbuffer's name, or a framebuffer object's Target.
     - ``drawn_into``: the buffers and pbuffers with draws since the last frame ended.
     - ``recording``: the present frame's Recording, if it is requested.
     - ``postponing``: whether draws may wait until something reads their result.
-    - ``counter``: of an occlusion query that is begun, or None.
+    - ``counter``: the SampleCounter of an active occlusion query, or None.
     """
 
     profile: Profile
@@ -96,17 +96,17 @@ class Target:
     counter: SampleCounter | None = None
 
     def __post_init__(self) -> None:
-        self._others: dict[str, Target] = {}  # framebuffer objects, where the machine has no pbuffers
-        self._current: Target = self  # of these
+        self._others: dict[str, Target] = {}  # framebuffer objects, if the machine has no pbuffers
+        self._current: Target = self  # the current one of these, or this Target
         self._surface: MakeCurrent | None = None  # the pbuffer that commands draw into
-        self._pixels: dict[str, NDArray[Any]] = {}  # what the last run read, by name
+        self._pixels: dict[str, NDArray[Any]] = {}  # the pixels that the last run read, by name
         self._counts = False  # whether samples are counted now
         self._start()
 
     # ----------------------------------------------------------------------------- what the two kinds do
 
     def _start(self) -> None:
-        """Make what commands run on."""
+        """Make the machine, or the validation, that commands run on."""
         raise NotImplementedError
 
     def _execute(self, commands: tuple[Command, ...]) -> tuple[Command, ...]:
@@ -114,17 +114,17 @@ class Target:
         raise NotImplementedError
 
     def _hold(self, buffer: str) -> None:
-        """Have commands draw into a buffer, read from it."""
+        """Let commands draw into a buffer, and read from it."""
 
     def settle(self) -> None:
-        """Draw what waits."""
+        """Draw the waiting commands."""
 
     def use_textures(self, textures: dict[str, Texture]) -> None:
         """Take the textures of another group of contexts."""
         self.textures = textures
 
     def resize(self, width: int, height: int) -> None:
-        """Give the window another size; its contents stay at its lower left."""
+        """Give the window another size. Its contents stay at its lower left."""
         self.width, self.height = width, height
 
     def swap(self) -> None:
@@ -139,7 +139,7 @@ class Target:
         return {}
 
     def depth_bits(self) -> int:
-        """The width of the depths that ``read`` gives: of the window, or of the current pbuffer."""
+        """How many bits the depths of ``read`` have: the depths of the window, or of the current pbuffer."""
         if self._current is not self:
             return self._current.depth_bits()
         return int(self.profile.widest_depth) if self._surface is None else int(self._surface.depth_bits)
@@ -155,7 +155,7 @@ class Target:
             self._run(part, draws, reads)
 
     def read(self, command: ReadPixels, draws: tuple[str, ...], reads: str) -> NDArray[Any]:
-        """The pixels that a ReadPixels gives now; zeros if nothing is drawn, or the machine refuses it."""
+        """The pixels that a ReadPixels returns now; zeros if nothing is drawn, or if it is refused."""
         self._run((command,), draws, reads)
         read = self._current._pixels.pop(command.name, None)
         return blank(command) if read is None else read
@@ -172,22 +172,22 @@ class Target:
                 self._run_on(draws, [self._of_other(c, reads) if reads != into else c for c in group])
 
     def end_frame(self) -> None:
-        """Count draws anew."""
+        """Begin to count draws again from 0."""
         self.draws = self.refused = 0
         self.drawn_into.clear()
 
     def record(self) -> None:
-        """Begin to record all draws from now on, here and into framebuffer objects."""
+        """From now on record all draws, here and into framebuffer objects."""
         self.recording = Recording(dict(self.textures), self.save())
         for other in self._others.values():
             other.record()
 
     def shown(self) -> "tuple[Target, str]":
-        """(Target, buffer) that was drawn into last."""
+        """(Target, buffer) that commands drew into last."""
         return self.last.shown() if isinstance(self.last, Target) else (self, self.last)
 
     def _run_on(self, buffers, commands):
-        if not buffers:  # DrawBuffer(NONE): what writes colours alone does nothing, the front end says so
+        if not buffers:  # DrawBuffer(NONE): the front end reports that commands write no colours
             buffers = (BACK,)
         if self.profile.framebuffers.surface_formats:
             self._run_here(buffers, tuple(commands))
@@ -221,7 +221,7 @@ class Target:
         depths = self._depths() if len(buffers) > 1 else None
         for number, buffer in enumerate(buffers):
             self._hold(buffer)
-            if number:  # depths and stencil values are those before the first one
+            if number:  # depths and stencil values are those from before the first buffer
                 self._restore(depths)
             self._counts = self.counter is not None and not number and gives_fragments(commands)
             continued = self._execute(continued)
@@ -230,7 +230,7 @@ class Target:
         self._surface = surface
 
     def _continued(self, commands):
-        """Commands behind the MakeCurrent that is in force: every run begins with the window."""
+        """The commands after the current MakeCurrent, because every run begins with the window."""
         return commands if self._surface is None else (self._surface, *commands)
 
     def _depths(self):
@@ -240,7 +240,7 @@ class Target:
         pass
 
     def _redirect(self, command):
-        """A MakeCurrent or BindTexImage on a machine without pbuffers."""
+        """Carry out a MakeCurrent or BindTexImage on a machine without pbuffers."""
         self.settle()  # the other window has the same textures
         self.postponing = False
         if isinstance(command, BindTexImage):
@@ -259,7 +259,7 @@ class Target:
             self._current = other
 
     def _forget_others(self, kept):
-        """Forget the framebuffer objects that were made first, where there are too many; ``kept`` stays."""
+        """If framebuffer objects have too many pixels, forget those that were made first. ``kept`` stays."""
         pixels = sum(other.width * other.height for other in self._others.values())
         for name, other in list(self._others.items()):
             if pixels <= MOST_PIXELS or other is kept:
@@ -290,7 +290,7 @@ class Target:
         other.end_frame()
 
     def _of_other(self, command, reads):
-        """A CopyPixels from another buffer than is drawn into, as a DrawPixels of its pixels."""
+        """A CopyPixels whose source is another buffer than its destination, as a DrawPixels."""
         if not isinstance(command, CopyPixels) or command.type is not PixelCopyType.COLOR:
             return command
         picture = self.picture(reads)
@@ -313,7 +313,7 @@ class Target:
                 walked(walk, rest)
                 count, refusal = len(rest), None
             except ValueError as error:
-                # Command N: the place of the one that the Walk has come to.
+                # "Command N": the place that the Walk has reached.
                 count, refusal = int(re.findall(r"\d+", walk.where)[0]), error
             for command in rest[:count]:
                 lost = lost and not isinstance(command, MakeCurrent)
@@ -342,7 +342,7 @@ class Target:
 
 
 def call_of(command: Command) -> tuple[str, int | None]:
-    """(name, number) of the call that made a command; ("", None) where its label does not say."""
+    """(name, number) of the call that made a command; ("", None) if its label does not name the call."""
     found = _LABEL.search(command.label)
     return (found[1], int(found[2])) if found else ("", None)
 
@@ -370,7 +370,7 @@ class Drawn(Target):
     def _start(self):
         self._postponed = Postponed()
         self._held = BACK
-        self._kept: dict[str, NDArray[Any]] = {}  # the colours of the other buffers
+        self._kept: dict[str, NDArray[Any]] = {}  # the colours of the other buffers, by name
         self.machine = self._new_machine()
 
     def _new_machine(self, **kept):
@@ -465,7 +465,7 @@ class Drawn(Target):
         return self._run_now(commands)
 
     def _run_now(self, commands):
-        """Run commands; returns those that ran. In a recording, what a HostStep issued is in its place."""
+        """Run commands, and return those that ran. In a recording, the commands of a HostStep replace it."""
         ran = []
         watch = (lambda command, _: ran.append(command)) if self.recording is not None else False
         machine = self.machine
@@ -501,13 +501,13 @@ class Drawn(Target):
     def _run_accepted(self, commands, watch):
         try:
             self._run_machine(commands, watch)
-        except ValueError as error:  # what validation does not foresee
+        except ValueError as error:  # an error that validation does not find
             for command in commands:
                 if isinstance(command, DRAWING):
                     self.refuse(command, str(error))
 
     def _forget_surfaces(self):
-        """Forget the pbuffers that were made first, where there are too many."""
+        """If pbuffers have too many pixels, forget those that were made first."""
         surfaces = self.machine.surfaces
         pixels = sum(surface.color[..., 0].size for surface in surfaces.values())
         for name in list(surfaces):
@@ -517,14 +517,14 @@ class Drawn(Target):
 
 
 def _keep_lower_left(old, new):
-    """Copy what both arrays have at their lower left; rows are from the top."""
+    """Copy the part that both arrays have at their lower left. Their first row is the top one."""
     up, across = min(old.shape[0], new.shape[0]), min(old.shape[1], new.shape[1])
     new[new.shape[0] - up :, :across] = old[old.shape[0] - up :, :across]
     return new
 
 
 class Judged(Target):
-    """A Target that validates and draws nothing: it counts what the machine would refuse.
+    """A Target that validates and draws nothing. It counts the commands that the machine would refuse.
 
     ``textures`` holds a KnownTexture for each texture.
     """

@@ -1,4 +1,4 @@
-"""The calls of GLX, WGL, EGL and CGL, as far as they make contexts and drawables, bind them or swap buffers.
+"""The calls of GLX, WGL, EGL and CGL that make contexts and drawables, bind them or swap buffers.
 
 Source: the GLX 1.4, WGL and EGL specifications, wingdi.h and Apple's CGLTypes.h: names and numbers.
 """
@@ -12,7 +12,7 @@ _EGL_NONE = 0x3038
 
 
 def _pairs(attributes):
-    """{name: value} of a list of pairs that a zero ends, or EGL_NONE."""
+    """{name: value} of a list of pairs. A zero or EGL_NONE ends the list."""
     found = {}
     numbers = attributes if isinstance(attributes, list) else []
     for name, value in zip(numbers[::2], numbers[1::2], strict=False):
@@ -31,7 +31,7 @@ _GLX_PBUFFER_HEIGHT, _GLX_PBUFFER_WIDTH = 0x8040, 0x8041
 
 
 def _names(listed, has_value):
-    """The names of a list that a zero ends; ``has_value(name)``: whether a value follows."""
+    """The names of a list that ends with a zero. ``has_value(name)``: whether a value follows the name."""
     names, at = set(), 0
     while at < len(listed or []) and listed[at]:
         names.add(listed[at])
@@ -97,7 +97,7 @@ def _glx_make_current(system, call):
 
 
 def _make_current_of_two(system, call):
-    """A drawable for drawing and one for reading: both glX's and EGL's."""
+    """Bind a drawable for drawing and one for reading, in GLX and EGL."""
     _, draw, read, context = call.arguments[:4]
     if context and read != draw:
         system.tally.add("refused", f"{call.name}: reading from another drawable than is drawn into")
@@ -117,7 +117,7 @@ def _swap_second(system, call):
 
 
 def _swapped(window):
-    """The window whose buffers a call swaps; None: it has one, and nothing happens."""
+    """The window whose buffers a call swaps; None if it has only one buffer, so that nothing happens."""
     if window is None or window.double is False:
         return None
     window.double, window.unbound = True, False
@@ -137,7 +137,7 @@ _PFD_DOUBLEBUFFER, _PFD_COLOR_INDEX, _WGL_DOUBLE_BUFFER = 1, 1, 0x2011
 
 
 def _described(descriptor):
-    """What is known of a PIXELFORMATDESCRIPTOR; None: it is none."""
+    """The Known properties of a PIXELFORMATDESCRIPTOR; None if the value is no such structure."""
     descriptor = only(descriptor)
     if not isinstance(descriptor, dict) or "dwFlags" not in descriptor:
         return None
@@ -247,7 +247,7 @@ def _cgl_create_context(system, call):
 
 
 def _cgl_make_current(system, call):
-    context = call.arguments[0]  # its result is an error's number, 0 where there is none
+    context = call.arguments[0]  # the call's result is the number of an error, or 0
     system.make_current(call._replace(result=None), ("context", context), context)
 
 
@@ -331,19 +331,19 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "CGLReleaseContext": _first_destroyed,
     "CGLFlushDrawable": _cgl_flush,
 }
-# Calls that end a context, and a frame of its window only where something was drawn.
+# Calls that end a context. They end a frame of its window only if something was drawn.
 DESTROYING = {name for name, handler in _HANDLERS.items() if handler in (_first_destroyed, _second_destroyed)}
 _PREFIXES = ("glX", "wgl", "egl", "CGL")
 _OTHERS = {"ChoosePixelFormat", "SetPixelFormat", "SwapBuffers", "DescribePixelFormat", "GetPixelFormat"}
 
 
 def is_window_call(name: str) -> bool:
-    """Whether a function is the window system's, and none of OpenGL."""
+    """Whether a function belongs to the window system, and not to OpenGL."""
     return name.startswith(_PREFIXES) or name in _OTHERS
 
 
 def take_window_call(system: WindowSystem, call: Any) -> Window | None:
-    """Answer a call of the window system; returns the drawable whose frame it ends, or None."""
+    """Carry out a call of the window system. Returns the drawable whose frame it ends, or None."""
     handler = _HANDLERS.get(call.name)
     if handler is None:
         system.tally.add("no effect", call.name)
@@ -351,6 +351,6 @@ def take_window_call(system: WindowSystem, call: Any) -> Window | None:
     try:
         return handler(system, call)
     except (TypeError, ValueError, IndexError, KeyError, AttributeError) as error:
-        # What a damaged trace holds in place of a call's arguments.
+        # A damaged trace may have other values in place of a call's arguments.
         system.tally.add("refused", f"{call.name}: its arguments cannot be read ({type(error).__name__})")
         return None

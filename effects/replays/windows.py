@@ -1,11 +1,11 @@
 """Contexts and drawables: which Context gets a call, and which drawable it draws into.
 
-A drawable's size stands in the trace only where apitrace inserts a call of Viewport after MakeCurrent. Later
-calls of Viewport that reach beyond it make it larger, as glretrace does. A pbuffer's size is among its
+A trace has a drawable's size only if apitrace inserted a call of Viewport after MakeCurrent. Later calls of
+Viewport that extend beyond the drawable make it larger, as in glretrace. A pbuffer's size is among its
 arguments.
 
-A drawable that no configuration calls single- or double-buffered is taken for double-buffered. A frame of it
-ends at Flush or Finish where something was drawn into its front buffer, until its buffers are swapped once.
+If no configuration says whether a drawable has a back buffer, it is taken as double-buffered. Until its
+buffers are swapped once, Flush or Finish also ends a frame if something was drawn into its front buffer.
 """
 
 from dataclasses import dataclass, field
@@ -18,14 +18,14 @@ from fixedpipe.pipeline.opengl.outcomes import Tally
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import Texture
 
-# A drawable's pixels until the trace says them. Assumed: what most programs of the time opened.
+# A drawable's size in pixels until the trace has it. Assumed: most programs of the time used this size.
 USUAL_SIZE = (640, 480)
 
 
 class Known(NamedTuple):
-    """What is known of a configuration, a visual, a pixel format or a drawable.
+    """The known properties of a configuration, a visual, a pixel format or a drawable.
 
-    - ``double``: whether it has a back buffer; None: nothing says so.
+    - ``double``: whether it has a back buffer; None: unknown.
     - ``indexed``: whether its colours are indices.
     """
 
@@ -35,10 +35,10 @@ class Known(NamedTuple):
 
 @dataclass(eq=False)
 class Group:
-    """What contexts that share their objects have in common.
+    """The objects of contexts that share them.
 
-    - ``textures``: the textures that machines hold, by name: one dictionary for all machines of the group.
-    - ``stored``: the version of each texture object that they hold.
+    - ``textures``: the machines' textures by name; one dictionary for all machines of the group.
+    - ``stored``: the version of each texture object that the machines have.
     """
 
     shared: Shared = field(default_factory=Shared)
@@ -50,11 +50,11 @@ class Group:
 class Window:
     """A drawable: a window, a pbuffer or a pixmap.
 
-    - ``number``: in the order in which drawables were made current, from 0.
-    - ``drawable``: what its Context knows of it.
-    - ``double``: whether it has a back buffer; None: nothing says so.
-    - ``sized``: whether the trace said its size.
-    - ``unbound``: whether no call made it current: the program's window system was not recorded.
+    - ``number``: its number, from 0, in the order in which drawables were made current.
+    - ``drawable``: the Drawable for its Context.
+    - ``double``: whether it has a back buffer; None: unknown.
+    - ``sized``: whether the trace has its size.
+    - ``unbound``: whether no call made it current, because the calls of the window system were not recorded.
     """
 
     number: int
@@ -71,9 +71,9 @@ class Window:
 
 @dataclass(eq=False)
 class GLContext:
-    """A context of the window system; its Context is made when it is first made current.
+    """A context of the window system. Its Context is made when it becomes current for the first time.
 
-    - ``known``: its configuration, for a drawable that has none of its own.
+    - ``known``: the properties of its configuration, for a drawable without properties of its own.
     - ``window``: the drawable that it was last bound to.
     """
 
@@ -86,9 +86,8 @@ class GLContext:
 class WindowSystem:
     """The contexts and drawables of a trace, on ``profile``.
 
-    - ``size``: of every drawable, up to the machine's limit, in place of the trace's sizes; None: the
-      trace's.
-    - ``tally``: in which all contexts count.
+    - ``size``: (width, height) of every drawable, up to the machine's limit; None: the sizes of the trace.
+    - ``tally``: the Tally in which all contexts count.
     """
 
     def __init__(self, profile: Profile, tally: Tally, size: tuple[int, int] | None = None):
@@ -104,18 +103,18 @@ class WindowSystem:
         self._made = 0
 
     def count_in(self, tally: Tally) -> None:
-        """Let all contexts count elsewhere."""
+        """Let all contexts count in another Tally."""
         self.tally = tally
         for context in self._contexts.values():
             if context.gl is not None:
                 context.gl.tally = tally
 
     def current(self, thread: int) -> GLContext | None:
-        """The context that is current in a thread; None: none is."""
+        """The current context of a thread, or None."""
         return self._current.get(thread)
 
     def current_or_own(self, thread: int) -> GLContext | None:
-        """As ``current``; if the trace has no calls of the window system, a context made for it."""
+        """As ``current``. If the trace has no calls of the window system, a context that is made for it."""
         found = self._current.get(thread)
         if found is None and (not self._contexts or None in self._contexts):
             found = self._contexts.setdefault(None, GLContext(Group()))
@@ -126,9 +125,9 @@ class WindowSystem:
     def take_viewport(
         self, context: GLContext, arguments: list[Any], inserted: bool
     ) -> tuple[int, int] | None:
-        """The size that a call of Viewport gives to the context's drawable; None: it keeps its size.
+        """The size that a call of Viewport gives to the context's drawable; None: its size does not change.
 
-        ``inserted``: whether apitrace made the call, whose rectangle is the whole drawable.
+        ``inserted``: whether apitrace inserted the call; its rectangle is then the whole drawable.
         """
         window = context.window
         if window is None or self._size is not None or len(arguments) != 4:
@@ -148,16 +147,16 @@ class WindowSystem:
     # --------------------------------------------------------------------------------------- making things
 
     def make_context(self, key: Any, config: Any, share: Any, indexed: bool = False) -> None:
-        """Enter the context ``key`` of a configuration, which shares the objects of ``share``."""
+        """Add the context ``key`` of a configuration, which shares the objects of ``share``."""
         if not key:
-            return  # it was not made
+            return  # the call failed
         other = self._contexts.get(share) if share else None
         group = Group() if other is None else other.group
         known = self.known(config)
         self._contexts[key] = GLContext(group, known._replace(indexed=indexed or known.indexed))
 
     def make_pbuffer(self, key: Any, config: Any, width: int, height: int) -> None:
-        """Enter a pbuffer of a configuration."""
+        """Add a pbuffer of a configuration."""
         largest = self.profile.framebuffers.max_viewport
         self._sizes[key] = min(max(int(width), 1), largest), min(max(int(height), 1), largest)
         self.say(key, self.known(config))
@@ -167,7 +166,7 @@ class WindowSystem:
         self._known[_key_of(key)] = known
 
     def known(self, key: Any) -> Known:
-        """The known properties of one of these."""
+        """The known properties of a configuration, a visual, a pixel format or a drawable."""
         return self._known.get(_key_of(key), Known())
 
     def alias(self, name: Any, of: Any) -> None:
@@ -175,18 +174,18 @@ class WindowSystem:
         self._aliases[name] = of
 
     def forget_drawable(self, key: Any) -> None:
-        """A drawable is destroyed; another one may get its name."""
+        """Forget a drawable that is destroyed. Another one may get its name."""
         for known in (self._windows, self._sizes, self._known, self._aliases):
             known.pop(key, None)
 
     def make_current(self, call: Any, drawable: Any, context: Any) -> None:
-        """Bind a context and a drawable in the call's thread; no context unbinds."""
+        """Bind a context and a drawable in the call's thread; without a context, unbind."""
         if call.result == 0 and call.result is not None:
-            return  # the program was refused
+            return  # the call failed
         if not context:
             self._current.pop(call.thread, None)
             return
-        # One that the trace does not make was there before recording began.
+        # A context that the trace does not make existed before recording began.
         found = self._contexts.setdefault(context, GLContext(Group()))
         self._bind(call.thread, found, self._aliases.get(drawable, drawable))
 
@@ -201,14 +200,14 @@ class WindowSystem:
         return found.window
 
     def share(self, first: Any, second: Any) -> None:
-        """Let two contexts share their objects: wglShareLists."""
+        """Let two contexts share their objects, as wglShareLists does."""
         given, taking = self._contexts[first], self._contexts[second]
         taking.group = given.group
         if taking.gl is not None:
             taking.gl.shared = given.group.shared
 
     def window_of(self, drawable: Any) -> Window | None:
-        """The Window of a drawable that was made current; where none was bound, the program's only one."""
+        """The Window of a drawable that was made current. If no call bound a drawable, the only Window."""
         found = self._windows.get(self._aliases.get(drawable, drawable))
         return self._windows.get(None) if found is None else found
 
@@ -246,11 +245,11 @@ class WindowSystem:
 
 
 def _key_of(key):
-    """What is known of a thing stands under this key: a visual is a structure, or an array of one."""
+    """The key for the known properties of ``key``. A visual is a structure, or an array of one structure."""
     key = only(key)
     return ("visual", key.get("visualid")) if isinstance(key, dict) else key
 
 
 def only(value: Any) -> Any:
-    """The element of an array of one, or the value that a pointer points to."""
+    """The first element of an array (the value that a pointer points to), or the value itself."""
     return value[0] if isinstance(value, list) and value else value

@@ -1,7 +1,8 @@
 """Studies: the effect of the hardware's short numbers, clamps and missing parts, measured on emulated
 machines.
 
-One module per artefact, named by its id and words; ``STUDIES`` has them by id, in the catalogue's order.
+Each artefact has a module, named by its id and a few words. ``STUDIES`` has them by id, in the catalogue's
+order.
 """
 
 import re
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def _identify(name):
-    """P9 of p09_nine_bit_registers."""
+    """The id in a module's name: P9 for p09_nine_bit_registers."""
     artefact = re.fullmatch(r"p(\d\d)_\w+", name)
     return artefact and f"P{int(artefact[1])}"
 

@@ -1,8 +1,8 @@
 """P1: the table of G / (pi cos beta), clamped at one.
 
-A plane tilts from 0 to 90 degrees under a light from its front, which is the table's last column. The table
-is stored in bytes, in bytes divided by c and multiplied back (H10), and in floats. The clamp's loss is
-measured as a part of the integral over the cosine of the view's angle.
+A plane tilts from 0 to 90 degrees. Its light comes from the front, which is the table's last column. The
+table is stored in bytes, in bytes divided by c and multiplied back (H10), and in floats. The clamp's loss is
+measured as a share of the integral over the cosine of the view's angle.
 
 Source: Heidrich 2001, section 1.1 (artefact P1 of the catalogue).
 """
@@ -29,14 +29,14 @@ BEGINS = 71.4
 
 
 def column(sigma, divisor):
-    """The loaded table's values over n.v with light from the front, times c: float64 [256]."""
+    """The stored table's values over n.v with light from the front, times c: float64 [256]."""
     _, command = tables.load(OPENGL_1_2, sigma * math.sqrt(2.0), 1.5, divisor=divisor)
     image: Texture = command.image
     return divisor * np.asarray(image.levels[0])[0][:, -1, 0].astype(np.float64) / 255.0
 
 
 def measure(profile):
-    """A row for each sigma and c."""
+    """The table, with a row for each sigma and c."""
     rows, curves = [], {}
     cosines = np.arange(tables.TEXELS) / (tables.TEXELS - 1.0)
     curves["degrees"] = np.degrees(np.arccos(cosines))
@@ -71,7 +71,7 @@ def _rows(table, divisor):
 
 
 def findings(table):
-    """Where the clamp begins, the light that it takes, and the error that divisors leave."""
+    """Where the clamp begins, how much light it removes, and the error that remains with divisors."""
     plain, eighth = _rows(table, 1), _rows(table, 8)
     lost = ", ".join(f"{r['lost']:.0f} % at sigma {sigma:g}" for sigma, r in plain.items() if r["lost"])
     return (

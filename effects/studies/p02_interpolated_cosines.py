@@ -1,14 +1,14 @@
 """P2: cosines that are computed at the vertices and interpolated: "fast Phong".
 
-A cylinder of few or many slices stands under one light. The cosine of normal and halfway vector is the
-texture coordinate (H05). Interpolation runs along the chord between two normals, so the cosine is nowhere
+One light shines on a cylinder of few or many slices. The cosine of normal and halfway vector is the
+texture coordinate (H05). Interpolation runs along the chord between two normals, so the cosine is never
 larger than at a vertex.
 
-Let f(c) be the light, and c a cosine round the cylinder, with vertices an angle D apart. Half way between
+Let f(c) be the light, and c a cosine around the cylinder, with vertices an angle D apart. Half way between
 vertices, interpolation of c loses f'(c) c D^2 / 8 of the light. Gouraud's interpolation of f(c) loses (f'(c)
 c - f''(c) (1 - c^2)) D^2 / 8. For a narrow highlight exp(-x^2 / 2) these are exp(-x^2 / 2) and (1 - x^2)
-exp(-x^2 / 2), times the same factor. Their squares' integrals are as 1 to 3/4, and only the first has a mean.
-If f has an edge, the order is reversed.
+exp(-x^2 / 2), times the same factor. The integrals of their squares have the ratio 1 to 3/4, and only the
+first has a mean. If f has an edge, the order is reversed.
 
 Source: Heidrich 2001, section 1.1 (artefact P2 of the catalogue). Inferred: the comparison with Gouraud.
 """
@@ -68,7 +68,7 @@ def _shown(profile, commands):
 
 
 def _turned(slices, phase):
-    """The cylinder with the highlight ``phase`` of a slice past a vertex."""
+    """The cylinder, turned so that the highlight is ``phase`` slices past a vertex."""
     step = 2.0 * np.pi / slices
     turn = _HALFWAY - phase * step
     return cylinder(slices, turn - round(turn / step) * step)
@@ -86,7 +86,7 @@ def fast_phong(profile, slices, phase, function):
 
 
 def gouraud(slices, phase, function):
-    """The same function evaluated at the vertices, its values interpolated, without rounding."""
+    """The same function evaluated at the vertices. Its values are interpolated without rounding."""
     surface = _turned(slices, phase)
     values = function(dot_products((surface.normals, _halfway()))[:, 0].clip(0.0))
     mesh = surface.mesh(colors=np.repeat(values[:, None], 3, axis=1))
@@ -111,7 +111,7 @@ def _true():
 
 
 def measure(profile):
-    """A row for each number of slices."""
+    """The table, with a row for each number of slices."""
     x, c = _true()
     near = np.abs(np.arcsin(x) - _HALFWAY) < 0.75
     true, sharp = _power(c)[near], _edge(c)[near]
@@ -159,7 +159,7 @@ def measure(profile):
 
 
 def expected(row):
-    """1 - cos(D / 2), D the angle between a row's vertices."""
+    """1 - cos(D / 2), where D is the angle between the vertices of a row."""
     return float(1.0 - np.cos(np.pi / row["slices"]))
 
 
@@ -172,13 +172,13 @@ def _peak_lost(row):
 
 
 def slope(table, name):
-    """The power of the angle with which a column grows, by a line through the logarithms."""
+    """The power of the angle with which a column grows: the slope of a line through the logarithms."""
     angles, values = np.log(_angles(table)), np.log(table.column(name))
     return float(np.polyfit(angles, values, 1)[0])
 
 
 def findings(table):
-    """The light that interpolation takes from a highlight, compared with Gouraud's."""
+    """How much of a highlight's light interpolation loses, compared with Gouraud's interpolation."""
     rows = {r["slices"]: r for r in table.records()}
     few, some, many = rows[8], rows[25], rows[200]
     lost = 100.0 * (1.0 - float(table.curves["light kept by Gouraud"][SLICES.index(25)]))
@@ -200,7 +200,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's law, and interpolation of one cosine compared with Gouraud's."""
+    """The catalogue's law, and interpolation of the cosine compared with Gouraud's interpolation."""
     for r in table.records():
         yield DATA.check(
             "deficit of n.h, {which} slices, off 1 - cos(angle / 2)",
@@ -240,7 +240,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Across the highlight with few slices, and the errors by angle."""
+    """The light across the highlight with few slices, and the errors by angle."""
     across, errors = axes
     x = table.curves["x"]
     across.plot(x, table.curves["true"], color=BLACK, lw=1, ls="--", label="Phong, every pixel")

@@ -1,7 +1,7 @@
 """P3: tables over a cosine are coarse near one, where highlights are.
 
-Facets distributed as exp(-(delta/m)^2), delta the angle of the halfway vector with the normal, in tables of
-256 texels: over cos delta, as H02 has it, and over H13's coordinate tan(delta/2).
+Facets are distributed as exp(-(delta/m)^2), where delta is the angle between halfway vector and normal. The
+study compares tables of 256 texels over cos delta, as in H02, and over H13's coordinate tan(delta/2).
 
 Source: Heidrich 2001, section 1.1 (artefact P3 of the catalogue).
 """
@@ -45,7 +45,7 @@ _REACH = 3.0
 
 
 def facets(delta, roughness):
-    """exp(-(delta/m)^2), its maximum one: float64."""
+    """exp(-(delta/m)^2), whose maximum is one: float64."""
     return np.exp(-np.square(np.asarray(delta, np.float64) / roughness))
 
 
@@ -84,14 +84,14 @@ def looked_up(profile, name, roughness, delta):
 
 
 def half_width(delta, values):
-    """Where values that fall from ``delta`` = 0 on first come below a half, by linear interpolation."""
+    """The angle where values, which fall from ``delta`` = 0 on, reach a half, by linear interpolation."""
     below = int(np.argmax(values < 0.5))
     share = (values[below - 1] - 0.5) / (values[below - 1] - values[below])
     return float(delta[below - 1] + share * (delta[below] - delta[below - 1]))
 
 
 def measure(profile):
-    """A row for each roughness."""
+    """The table, with a row for each roughness."""
     rows, curves = [], {}
     for m in ROUGHNESSES:
         delta = (np.arange(_COUNT) + 0.5) * (_REACH * m / _COUNT)
@@ -132,7 +132,7 @@ def measure(profile):
 
 
 def findings(table):
-    """Where a table over the cosine is too coarse, and what another coordinate does."""
+    """Where a table over the cosine is too coarse, and the effect of another coordinate."""
     rows = {r["m"]: r for r in table.records()}
     sharp, known, broad = rows[0.05], rows[0.1], rows[0.5]
     return (
@@ -150,7 +150,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's numbers, and that sharpness is what costs."""
+    """The catalogue's numbers, and that the error grows with sharpness."""
     rows = {r["m"]: r for r in table.records()}
     for m, expected in _COMPUTED.items():
         yield DATA.check(

@@ -1,9 +1,9 @@
 """P4: depths in alphas of few bits: the acne from comparing two rasterizations, and the effect of a bias.
 
-A slanted plane that is lit, with nothing before it, should have no shadow. A map's texel holds the depth of
-its centre; a fragment beside it lies up to X = slope * texel / (2 step) steps farther. Both are rounded to
-steps. So a difference of x steps exceeds b with the probability x - b, clamped to [0, 1]. x is distributed
-evenly from -X to X. The fraction of acne is the mean of that probability: ``law``.
+A slanted plane with nothing between it and the light should have no shadow. A texel of the map holds the
+depth of its centre. A fragment next to the centre is up to X = slope * texel / (2 step) steps farther. Both
+depths are rounded to steps. So a difference of x steps exceeds b with the probability x - b, clamped to
+[0, 1]. x is distributed evenly from -X to X. The fraction of acne is the mean of this probability: ``law``.
 
 Source: Heidrich 2001, section 2.1 (artefact P4 of the catalogue; erratum E000.9).
 """
@@ -76,7 +76,7 @@ def _name(bits, bias):
 
 
 def measure(profile):
-    """A row for each slope, a column for each coding."""
+    """The table, with a row for each slope and a column for each coding."""
     rows = [(slope, *(100.0 * acne(slope, *coding) for coding in CODINGS)) for slope in SLOPES]
     columns = (Column("slope", form=".2f"), *(Column(_name(*c), "%", ".1f") for c in CODINGS))
     slopes = np.arange(1, 401) / 100.0
@@ -87,7 +87,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What equality costs, what two steps hide, and that more bits alone do not help."""
+    """The cost of an equal comparison, what two steps hide, and that more bits alone do not help."""
     row = {r["slope"]: r for r in table.records()}
     steep, one = row[3.7], row[1.2]
     return (
@@ -127,7 +127,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Acne by slope, measured and by the law."""
+    """Acne by slope, as measured and as the law predicts."""
     (axis,) = axes
     codings = ((8, 0), (8, 1), (8, 2), (12, 2), (16, 2), (16, 512))
     for coding, color in zip(codings, (BLUE, SKY, GREEN, ORANGE, RED, PURPLE), strict=True):

@@ -1,7 +1,7 @@
-"""P5: linear depth against a z-buffer's, in as many bits.
+"""P5: linear depth compared with a z-buffer of the same number of bits.
 
-A z-buffer's step at distance z is z^2 (f - n) / (f n) / (2^b - 1), a linear depth's (f - n) / (2^b - 1)
-everywhere; they are equal at sqrt(f n).
+A z-buffer's step at distance z is z^2 (f - n) / (f n) / (2^b - 1). The step of a linear depth is
+(f - n) / (2^b - 1) everywhere. They are equal at sqrt(f n).
 
 Source: Heidrich 2001, section 2.1 (artefact P5 of the catalogue).
 """
@@ -41,7 +41,7 @@ def depths(distances, coding, profile):
     """A machine's depths for distances from the light [1024]: alpha by a coding, in [0, 1], and the depth
     buffer's depth, two float64 [1024].
 
-    A row of pixels, each a rectangle at its own distance.
+    The machine draws a row of pixels. Each pixel is a rectangle at its own distance.
     """
     edges = np.arange(_WIDTH + 1) / (_WIDTH / 2.0) - 1.0
     x = np.stack([edges[:-1], edges[1:], edges[1:], edges[:-1]], axis=-1) * distances[:, None]
@@ -61,7 +61,7 @@ def depths(distances, coding, profile):
 
 
 def linear_step(z, profile):
-    """The distance by which alpha grows a step near z: over the steps within 10 units of it."""
+    """The distance over which alpha grows by one step near z: the mean of the steps within 10 units of z."""
     low, high = max(z - 10.0, NEAR), min(z + 10.0, FAR)
     distances = low + (high - low) * (np.arange(_WIDTH) + 0.5) / _WIDTH
     alpha, _ = depths(distances, Coding(BITS), profile)
@@ -70,21 +70,23 @@ def linear_step(z, profile):
 
 
 def z_buffer_step(z, profile):
-    """The distance by which a depth buffer of ``BITS`` bits would grow a step at z: the wide one's slope."""
+    """The distance over which a depth buffer of ``BITS`` bits would grow by one step at z, from the slope of
+    a wider depth buffer.
+    """
     distances = z * (1.0 + 0.02 * (np.arange(_WIDTH) / (_WIDTH - 1.0) - 0.5))
     _, depth = depths(distances, Coding(BITS), profile)
     return float((distances[-1] - distances[0]) / (depth[-1] - depth[0]) / (2.0**BITS - 1.0))
 
 
 def alphas_between(low, high, linear, profile):
-    """How many alphas there are between two distances."""
+    """How many different alphas there are between two distances."""
     distances = low + (high - low) * (np.arange(_WIDTH) + 0.5) / _WIDTH
     alpha, _ = depths(distances, Coding(BITS, linear=linear), profile)
     return len(np.unique(alpha))
 
 
 def measure(profile):
-    """A row for each distance of the catalogue."""
+    """The table, with a row for each distance of the catalogue."""
     rows = []
     for z, _, _ in CATALOGUE:
         rows.append(
@@ -121,7 +123,7 @@ def _far_half(table, name):
 
 
 def findings(table):
-    """Which of them is finer at which distance, and the z-buffer's values that remain far away."""
+    """Which depth is finer at which distance, and how many z-buffer values remain far away."""
     row = {r["distance"]: r for r in table.records()}
     near, far = row[1.5], row[95.0]
     return (

@@ -1,8 +1,9 @@
 """P6: alpha times 2^n, clamped, is zero or one.
 
-H38's copy of the window onto itself must turn every alpha above zero into one. The smallest is 1/(2^n - 1)
-(erratum E000.10; the paper says 1/2^n), so 2^n is more than enough and 2^(n-1) too little. If the board
-cannot subtract, the copy must turn every alpha below one into zero; the largest of them is 1 - 1/(2^n - 1).
+H38 copies the window onto itself. This must turn every alpha above zero into one. The smallest of them is
+1/(2^n - 1) (erratum E000.10; the paper says 1/2^n). So 2^n is more than enough, and 2^(n-1) is too little. If
+the board cannot subtract, the copy must turn every alpha below one into zero. The largest of these is
+1 - 1/(2^n - 1).
 
 Source: Heidrich 2001, section 2.1 (artefact P6 of the catalogue).
 """
@@ -38,7 +39,7 @@ def copied(bits, exponent, profile, *, subtract=True):
 
 
 def measure(profile):
-    """A row for each width of the machine's colours and each scale."""
+    """The table, with a row for each width of the machine's colours and each scale."""
     rows, curves = [], {}
     for bits in profile.framebuffers.color_bits:
         one = 2**bits - 1
@@ -71,7 +72,7 @@ def _row(table, bits, scale):
 
 
 def findings(table):
-    """What 2^n does and 2^(n-1) does not."""
+    """That 2^n is enough, and 2^(n-1) is not."""
     out = []
     for bits in dict.fromkeys(table.column("bits")):
         half, whole, added = (_row(table, bits, s) for s in ("2^(n-1)", "2^n", "2^n, bias 1 - 2^n"))
@@ -85,7 +86,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's numbers, of every width."""
+    """The catalogue's numbers for every width."""
     for bits in dict.fromkeys(table.column("bits")):
         for scale in ("2^n", "2^(n+1)", "2^n, bias 1 - 2^n"):
             yield DATA.check(

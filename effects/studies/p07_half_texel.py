@@ -1,9 +1,9 @@
 """P7: the ramp's half texel.
 
-A texel's value is that of its centre. So W texels i / (W - 1), filtered, give (s W - 1/2) / (W - 1) between
-the centres of the first and the last, and stay at zero and one beyond them. The largest error is 1 / (2 W),
-at the first and the last centre. s' = s (W - 1) / W + 1 / (2 W) runs from the first centre to the last, and
-is exact.
+A texel has the value of its centre. So W filtered texels i / (W - 1) give (s W - 1/2) / (W - 1) between the
+centres of the first and the last texel. Beyond these they give zero and one. The largest error is 1 / (2 W),
+at the first and the last centre. The coordinate s' = s (W - 1) / W + 1 / (2 W) runs from the first centre to
+the last, and is exact.
 
 Source: Heidrich 2001, section 2.1 (artefact P7 of the catalogue).
 """
@@ -40,7 +40,7 @@ def _falling():
 
 
 def _row(draw, repeated):
-    """A Draw in one row of pixels, which is enough; with a texture that repeats or as it is."""
+    """A Draw, limited to one row of pixels, which is enough. ``repeated``: whether its texture repeats."""
     state = draw.state
     if repeated:
         (unit,) = state.texture_units
@@ -70,7 +70,7 @@ def errors(texels, profile, bits, *, corrected, repeated=False):
 
 
 def measure(profile):
-    """A row for each ramp."""
+    """The table, with a row for each ramp."""
     bits, rows, curves = profile.framebuffers.color_bits[0], [], {}
     for texels in WIDTHS:
         half, exact, wrapped = (

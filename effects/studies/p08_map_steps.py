@@ -1,4 +1,4 @@
-"""P8: shadow maps know a shadow's edge to a texel, and its depth to a step.
+"""P8: shadow maps store a shadow's edge to a texel, and its depth to a step.
 
 Source: Heidrich 2001, section 2 (artefact P8 of the catalogue).
 """
@@ -55,8 +55,8 @@ def mask(scene, view, lamp, edge, bits, profile):
 
 
 def depth_error(scene, lamp, bits, profile):
-    """RMS of stored depths against rays, inside triangles: in steps of the depth buffer, and in millimetres
-    where a world unit is a metre.
+    """RMS difference of stored depths to rays, inside triangles: in steps of the depth buffer, and in
+    millimetres if a world unit is a metre.
     """
     panel = Panel(0, 0, _SIZE, _SIZE)
     view = lamp.view(panel)
@@ -81,7 +81,7 @@ def depth_error(scene, lamp, bits, profile):
 
 
 def measure(profile):
-    """A row for each map."""
+    """The table, with a row for each map."""
     scene, view = still_life(_DETAIL), still_life_view(Panel(0, 0, _SIZE, _SIZE))
     fitted = lamp_around(scene, LAMP_POSITIONS[0])
     nearer = replace(fitted, near=fitted.near * _NEARER)
@@ -130,20 +130,20 @@ def measure(profile):
 
 
 def _sweep(table):
-    """Edges of the maps of 24 bits, and their wrong pixels at edges, %."""
+    """The edges (in texels) of the maps of 24 bits, and their wrong pixels at shadows' edges, %."""
     rows = table.rows[: len(EDGES)]
     return np.array([row[0] for row in rows], float), np.array([row[4] for row in rows])
 
 
 def _law(table):
-    """The a and c of a / M + c, the wrong pixels at edges in %, by least squares of relative deviations."""
+    """a and c of the law a / M + c for wrong pixels at edges (%), by least squares of relative deviations."""
     edges, wrong = _sweep(table)
     left = np.stack([1.0 / edges, np.ones_like(edges)], axis=1) / wrong[:, None]
     return np.linalg.lstsq(left, np.ones_like(wrong), rcond=None)[0]
 
 
 def findings(table):
-    """The law, and what bits do."""
+    """The law, and the effect of the number of bits."""
     a, c = _law(table)
     (_, _, _, wrong, _, _, steps, size), (_, _, _, wrong_short, _, _, steps_short, size_short) = (
         table.rows[EDGES.index(_COMPARED_EDGE)],
@@ -164,7 +164,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's law, and rounding's."""
+    """The catalogue's law, and the law of rounding."""
     edges, wrong = _sweep(table)
     a, c = _law(table)
     worst = float(np.abs((a / edges + c) / wrong - 1.0).max())

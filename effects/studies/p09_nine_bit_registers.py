@@ -1,4 +1,4 @@
-"""P9: what registers of nine bits do to Eq. 1.
+"""P9: the effect of registers of nine bits on Eq. 1.
 
 Source: Kautz, Seidel 2000, sections 4.1 and 5 (artefact P9 of the catalogue).
 """
@@ -26,7 +26,7 @@ _CATALOGUED = {(1.0, 1.0, True): 0.0152, (0.5, 0.5, True): 0.0061, (0.25, 0.25, 
 
 
 def measure(profile):
-    """A row for each pair of alphas: errors of the machine against float64."""
+    """The table, with a row for each pair of alphas: the machine's errors compared with float64."""
     rows = []
     for alpha_x, alpha_y, scaled in _CASES:
         machine, true = eq_1(alpha_x, alpha_y, profile, scaled=scaled)
@@ -55,12 +55,12 @@ def measure(profile):
 
 
 def _rows(table):
-    """The rows by the case they are of."""
+    """The rows by their case."""
     return dict(zip(_CASES, table.records(), strict=True))
 
 
 def findings(table):
-    """The errors, and what storing the vectors times a quarter costs."""
+    """The errors, and the cost of storing a quarter of the vectors."""
     by_case = _rows(table)
     lit = [r["RMS in highlight"] for case, r in by_case.items() if case[2]]
     wide, narrow = by_case[_CASES[0]], by_case[_CASES[2]]
@@ -106,7 +106,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Bars of the errors, the catalogue's numbers as marks."""
+    """The errors as bars, and the catalogue's numbers as marks."""
     (ax,) = axes
     at = np.arange(len(table.rows))
     ax.bar(at - 0.2, table.column("RMS of all"), 0.38, color=BLUE, label="all frames")

@@ -27,7 +27,7 @@ _STEPS, _TANGENTS = 256, 4096
 
 
 def highlight(alpha, profile):
-    """The machine's Eq. 1 along t: h.t of the halfway vectors as the vertex colours hold them, and values."""
+    """The machine's Eq. 1 along t: h.t of the halfway vectors in the vertex colours, and the values."""
     material = material_textures.isotropic(1, 1, alpha)
     with warnings.catch_warnings():
         # Alphas that are stored as larger ones are what is measured.
@@ -43,16 +43,16 @@ def highlight(alpha, profile):
 
 
 def half_width(sines, values):
-    """h.t where a highlight falls to one half, between the last sample above and the first below."""
+    """h.t where a highlight falls to one half: between the last sample above it and the first below it."""
     last = int(np.nonzero(values >= 0.5)[0][-1])
     return float(0.5 * (sines[last] + sines[last + 1]))
 
 
 def direction_errors(alpha, profile):
-    """Angles in degrees between random tangents and those read back from t / (4 alpha), and which were cut
-    off.
+    """Angles in degrees between random tangents and those read back from t / (4 alpha); and which of them
+    were clamped.
 
-    t / (4 alpha) is stored without limiting alpha to 1/4 or more, so a component may be cut off.
+    t / (4 alpha) is stored without limiting alpha to 1/4 or more, so a component may be clamped.
     """
     tangents = random_directions(_TANGENTS, 13)
     wanted = material_textures.STORAGE_SCALE * tangents / alpha
@@ -62,7 +62,7 @@ def direction_errors(alpha, profile):
 
 
 def measure(profile):
-    """A row for each requested alpha."""
+    """The table, with a row for each requested alpha."""
     rows, curves = [], {}
     for alpha in ALPHAS:
         sines, values = highlight(alpha, profile)
@@ -92,7 +92,7 @@ def measure(profile):
 
 
 def findings(table):
-    """Where the highlight stops shrinking, and what leaving alpha alone would cost."""
+    """The alpha where the highlight stops shrinking, and the cost of an alpha without the limit."""
     row = {r["alpha"]: r for r in table.records()}
     narrow, held = row[0.1], row[0.25]
     return (
@@ -129,7 +129,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The half width by alpha, and the directions of vectors that are cut."""
+    """The half width by alpha, and the directions of clamped vectors."""
     width, aside = axes
     alphas = table.column("alpha")
     width.plot(alphas, table.column("Eq. 1 wants"), color=ORANGE, linestyle="--", label="Eq. 1")

@@ -1,7 +1,7 @@
-"""P11: rings, where vectors are interpolated before they are used, and blocks, where nothing is interpolated.
+"""P11: rings if vectors are interpolated before they are used, and blocks if nothing is interpolated.
 
-F004-2's dome with a crease at its rim, in every order: the machine's (K07), the same in float64, the order
-that the paper asks for (K16), and the machine with NEAREST.
+The study draws F004-2's dome with a crease at its rim in four ways. The machine draws it (K07), also with
+NEAREST. Float64 evaluates it in the machine's order, and in the order that the paper proposes (K16).
 
 Source: Kautz, Seidel 2000, sections 5 and 6, figure 2 (artefact P11 of the catalogue).
 """
@@ -49,7 +49,7 @@ def dome(map_size):
 
 
 def picture(material, profile, sampler):
-    """Eq. 1 on the dome, on the machine: float64 [_SIZE, _SIZE], bottom row first."""
+    """The machine's Eq. 1 on the dome: float64 [_SIZE, _SIZE], bottom row first."""
     panel = Panel(0, 0, _SIZE, _SIZE)
     view, surface = orthographic_view(panel), surfaces.plane()
     light = Light(tuple(normalize(2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0]))))
@@ -62,9 +62,9 @@ def picture(material, profile, sampler):
 
 
 def blockiness(image, map_size):
-    """How much of the picture's steps from pixel to pixel lies at the texels' borders, in percent.
+    """The share of the steps from pixel to pixel that is at the texels' borders, in percent.
 
-    A picture of blocks has 100; one without has the borders' share of all steps.
+    A picture of blocks has 100. A picture without blocks has the borders' share of all steps.
     """
     steps = np.abs(np.diff(image, axis=1)).sum(axis=0)
     borders = np.arange(1, len(steps) + 1) % (image.shape[1] // map_size) == 0
@@ -72,7 +72,7 @@ def blockiness(image, map_size):
 
 
 def measure(profile):
-    """A row for each map and order."""
+    """The table, with a row for each map and order."""
     rows, curves = [], {}
     for map_size in MAP_SIZES:
         material = dome(map_size)
@@ -103,14 +103,14 @@ def _rows(table):
 
 
 def _arithmetic(rows):
-    """The largest relative deviation of the machine's ring energy from float64's in the same order."""
+    """The largest relative deviation of the machine's ring energy from that of float64 in the same order."""
     return max(
         abs(rows[m, _BEFORE]["ring energy"] / rows[m, _BEFORE_FLOAT]["ring energy"] - 1.0) for m in MAP_SIZES
     )
 
 
 def findings(table):
-    """Rings, their cause, and the other remedy."""
+    """The rings, their cause, and another way to avoid them."""
     rows = _rows(table)
     rings = [rows[m, _BEFORE]["ring energy"] for m in MAP_SIZES]
     bits = _arithmetic(rows)
@@ -128,7 +128,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's energies (F004-2), and that NEAREST makes blocks."""
+    """The catalogue's energies (F004-2), and that NEAREST causes blocks."""
     rows = _rows(table)
     for map_size, (rings, software) in _CATALOGUED.items():
         before, after = rows[map_size, _BEFORE], rows[map_size, _AFTER]

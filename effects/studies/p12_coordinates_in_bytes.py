@@ -1,8 +1,8 @@
 """P12: which texel a coordinate of few bits reads.
 
-The machine itself looks up each code of a texture of W texels, with NEAREST. On the Octane a pixel texture
-does it, with 8 bits and with the 12 of its pixel groups. Texture shaders have a dependent lookup. Elsewhere
-the host looks up, as for dependent tests on the GeForce 256.
+The machine itself looks up each code in a texture of W texels, with NEAREST. On the Octane this is a pixel
+texture, with 8 bits and with the 12 bits of its pixel groups. Texture shaders have a dependent lookup. For
+other machines the host looks up the codes, as for dependent tests on the GeForce 256.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (artefact P12 of the catalogue).
 """
@@ -43,7 +43,7 @@ EXPECTED_AT_256 = 1
 
 
 def lower_codes(texels, size, bits):
-    """Codes of the coordinate i / W, the texel's lower edge, rounded to the nearest."""
+    """The codes of the coordinates i / W, the texels' lower edges, rounded to the nearest."""
     one = (1 << bits) - 1
     return np.floor(one * np.asarray(texels) / size + 0.5).astype(np.int64)
 
@@ -55,7 +55,7 @@ NARROW = (8, 12, 512)
 
 
 def _numbered(texels):
-    """A texture whose texels hold their numbers: 256 G + R, both bytes."""
+    """A texture whose texels hold their numbers: 256 G + R, where both are bytes."""
     number = np.arange(texels)
     image = np.zeros((1, texels, 4), np.uint8)
     image[0, :, 0], image[0, :, 1], image[0, :, 3] = number & 255, number >> 8, 255
@@ -112,7 +112,7 @@ def _by_host(stored, bits, window, table, wrap, profile):
 
 
 def way_of(profile):
-    """How a machine looks up: its name, the function, and of how many bits codes may be."""
+    """A machine's way to look up: its name, the function, and how many bits codes may have."""
     if profile.pixels.pixel_texture:
         return "pixel texture", _by_pixel_texture, (8, 12)
     if TextureShaderOperation.DEPENDENT_AR_TEXTURE_2D in profile.texture_shaders.texture_shader_operations:
@@ -132,7 +132,7 @@ def found(place, texels, bits, wrap, profile, window=None):
 
 
 def measure(profile):
-    """A row for each size, code and number of bits."""
+    """The table, with a row for each size, code and number of bits."""
     way, _, widths = way_of(profile)
     asked = [(bits, bits, texels, place) for bits in widths for texels in TEXELS[bits] for place in CODES]
     if 12 in widths:
@@ -169,7 +169,7 @@ def _wrong(rows):
 
 
 def findings(table):
-    """What each code loses, and what becomes of the last texel."""
+    """The errors of each code, and what happens to the last texel."""
     lower, centre = (_of(table, place) for place in CODES)
     shares = [100.0 * r["wrong, clamped"] / r["W"] for r in lower]
     exact = [r["W"] for r in centre if not r["wrong, REPEAT"]]
@@ -193,7 +193,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's: exact up to 128, one error at 256, none with the clamp."""
+    """The catalogue's numbers: exact up to 128 texels, one error at 256, and none with the clamp."""
     centre, lower = _of(table, "centre"), _of(table, "edge")
     last = centre[-1]
     return (
@@ -229,7 +229,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Wrong texels by size, and how far off each texel of 256 is."""
+    """Wrong texels by size, and the error of each of 256 texels."""
     by_size, by_texel = axes
     styles = (
         ("edge", "REPEAT", RED),

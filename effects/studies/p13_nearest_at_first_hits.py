@@ -1,8 +1,9 @@
 """P13: blocks that appear if the first hit takes the indirect light of its nearest texel.
 
-Points along lines across a height field, several to a texel, get indirect light by random paths (G03), from
-the nearest texel or between four (G04). The spectrum along the lines shows blocks. Steps at texels' borders
-repeat the spectrum below half the texels' frequency around that frequency and its multiples.
+Points lie along lines across a height field, several in each texel. They get indirect light by random paths
+(G03), from the nearest texel or from four texels (G04). The spectrum along the lines shows blocks. Steps at
+texels' borders repeat the lower spectrum around the texels' frequency and its multiples. The lower spectrum
+is the part below half of that frequency.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (artefact P13 of the catalogue).
 """
@@ -31,7 +32,7 @@ EXPECTED_RATIO = 5.0
 
 
 def lines(field, reconstruction, seed):
-    """Indirect light along lines across a field, float64 [LINES, points], green."""
+    """Indirect light along lines across a field, its green component, float64 [LINES, points]."""
     count = TEXELS * POINTS_A_TEXEL
     s, t = np.meshgrid((np.arange(count) + 0.5) / count, (np.arange(LINES) + 0.31) / LINES)
     found = path_tracer.indirect(
@@ -49,10 +50,10 @@ def lines(field, reconstruction, seed):
 
 
 def spectrum(field, reconstruction):
-    """Energy by frequency along the lines, float64 [points / 2 + 1], over the square of the mean.
+    """Energy by frequency along the lines, divided by the square of the mean: float64 [points / 2 + 1].
 
-    Two pictures by independent random paths are multiplied. Their noise is uncorrelated, so it does not
-    count.
+    The spectra of two pictures by independent random paths are multiplied. Their noise is uncorrelated, so it
+    does not count.
     """
     first, second = (lines(field, reconstruction, seed) for seed in (1, 2))
     product = np.fft.rfft(first, axis=1) * np.conj(np.fft.rfft(second, axis=1))
@@ -60,12 +61,12 @@ def spectrum(field, reconstruction):
 
 
 def at_texels(energy):
-    """The part around the texels' frequency, half of it to either side."""
+    """The energy around the texels' frequency, from half of it to one and a half of it."""
     return float(energy[TEXELS // 2 + 1 : TEXELS + TEXELS // 2].sum())
 
 
 def measure(profile):
-    """A row for each height field."""
+    """The table, with a row for each height field."""
     rows, curves = [], {}
     for name, made in FIELDS.items():
         field = made()
@@ -84,7 +85,7 @@ def measure(profile):
 
 
 def findings(table):
-    """How much of the blocks interpolation leaves."""
+    """How much of the blocks remains with interpolation."""
     ratios = {r["height field"]: r["ratio"] for r in table.records()}
     least = min(ratios, key=ratios.get)
     listed = ", ".join(f"{ratio:.1f} times on {name}" for name, ratio in ratios.items())

@@ -1,4 +1,4 @@
-"""P14: many weighted paths summed in the framebuffer, in the accumulation buffer, by the host.
+"""P14: sums of many weighted paths in the framebuffer, in the accumulation buffer, and by the host.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3.2: 40 to 100 paths (artefact P14 of the catalogue).
 """
@@ -23,7 +23,7 @@ HALF_STEP = 0.5 / 255.0 / np.sqrt(3.0)
 
 
 def terms(setup, paths):
-    """How many of a texel's paths bring light, in the mean of all texels."""
+    """How many of a texel's paths bring light: the mean of all texels."""
     field, visibility, total = setup.field, setup.visibility, 0.0
     for first in paths[:, 0].tolist():
         facing = dot(field.normals, visibility.directions[first]) > 0.0
@@ -32,7 +32,7 @@ def terms(setup, paths):
 
 
 def measure(profile):
-    """A row for each case and each kind of sum; with 12 bits if the framebuffer may have them."""
+    """The table, with a row for each case and kind of sum; with 12 bits if the framebuffer can have them."""
     field, rows = path_sums.domes(), []
     for bits, lookups, count in CASES:
         if bits not in profile.framebuffers.color_bits:
@@ -78,7 +78,7 @@ def _row(table, accumulation, bits, lookups, paths):
 
 
 def findings(table):
-    """What each kind of sum loses, and what longer paths lose in all of them."""
+    """The loss of each kind of sum, and the loss with longer paths in all of them."""
     blended, buffer, host = (_row(table, a, 8, 1, 100) for a in Accumulation)
     few = _row(table, Accumulation.FRAMEBUFFER, 8, 1, 40)
     long = _row(table, Accumulation.HOST, 8, 4, 100)
@@ -103,7 +103,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's law for blended sums, and that the other sums lose nothing further."""
+    """The catalogue's law for blended sums, and that the other sums lose nothing more."""
     for paths in (40, 100):
         row = _row(table, Accumulation.FRAMEBUFFER, 8, 1, paths)
         yield DATA.check(

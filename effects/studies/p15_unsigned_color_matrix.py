@@ -1,8 +1,9 @@
 """P15: a colour matrix whose results have no sign.
 
-Eq. 1 squares dot products of either sign, but the colour matrix delivers no negative numbers. With (1 + d) /
-2 and a table of (2 i - 1)^2 nothing is lost (erratum E004.9). Without, the squares of negative products are
-zero, and one minus them stays bright. Half of each square is then missing, and the highlight's edge with it.
+Eq. 1 squares dot products of either sign, but the colour matrix cannot return negative numbers. With (1 + d)
+/ 2 and a table of (2 i - 1)^2 nothing is lost (erratum E004.9). Without them, the squares of negative
+products are zero, and one minus these stays bright. Then half of each square is missing, and the highlight's
+edge.
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P15 of the catalogue).
 """
@@ -21,7 +22,7 @@ ALPHA, _SLOPE = 0.25, 0.3
 
 
 def measure(profile):
-    """A row for each quadrant of signs, and one for all."""
+    """The table, with a row for each quadrant of signs, and one for all."""
     bump = material(ALPHA, _SLOPE)
     exact, x, y = true(bump, ALPHA)
     pictures = {
@@ -64,7 +65,7 @@ def missing_squares(table):
 
 
 def findings(table):
-    """What is lost and where."""
+    """How much is lost, and where."""
     rows = {r["where"]: r for r in table.records()}
     right, wrong, whole = rows["h.t > 0, h.b > 0"], rows["h.t < 0, h.b < 0"], rows["all"]
     return (
@@ -78,7 +79,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's half, and where it is."""
+    """The catalogue's number, one half, and the place of the loss."""
     rows = {r["where"]: r for r in table.records()}
     right, wrong = rows["h.t > 0, h.b > 0"], rows["h.t < 0, h.b < 0"]
     return (
@@ -103,7 +104,7 @@ def _lit(table, name):
 
 
 def plot(axes, table):
-    """The highlight three times, and along its middle."""
+    """Three pictures of the highlight, and the values along its middle."""
     titles = {"true": "Eq. 1", "biased": "(1 + d) / 2, signed squares", "unsigned": "d itself, no sign"}
     for ax, (name, title) in zip(axes, titles.items(), strict=True):
         ax.imshow(table.curves[name], origin="lower", cmap="gray", vmin=0.0, vmax=1.0, extent=(-1, 1, -1, 1))

@@ -1,4 +1,4 @@
-"""P16: the colour matrix computes in floats, so that alphas have no smallest value.
+"""P16: the colour matrix computes in floats, so alphas have no smallest value.
 
 Source: Kautz, Seidel 2000, section 4.2 (artefact P16 of the catalogue).
 """
@@ -25,7 +25,7 @@ _REACH = 1.2
 
 
 def measure(profile):
-    """A row for each alpha."""
+    """The table, with a row for each alpha."""
     rows, curves = [], {}
     for alpha in ALPHAS:
         bump = material(alpha, _REACH * alpha)
@@ -57,7 +57,7 @@ def measure(profile):
 
 
 def findings(table):
-    """Both ways at the narrowest highlights."""
+    """The errors of both ways for the narrowest highlights."""
     rows = {r["alpha"]: r for r in table.records()}
     matrix = table.column("K08, RMS")
     narrow = rows[0.02]
@@ -82,7 +82,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The errors by alpha, and across the narrow highlight."""
+    """The errors by alpha, and the values across the narrow highlight."""
     errors, across = axes
     alphas = table.column("alpha")
     errors.loglog(alphas, table.column("K07, RMS"), color=RED, marker="s", label="K07, register combiners")

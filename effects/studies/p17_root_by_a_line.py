@@ -1,4 +1,4 @@
-"""P17: Banks' model with R*(s) = 1 - s in the place of the square root.
+"""P17: Banks' model with R*(s) = 1 - s instead of the square root.
 
 Source: Kautz, Seidel 2000, section 3.1 (artefact P17 of the catalogue).
 """
@@ -27,7 +27,7 @@ _CELLS = 64
 
 @dataclass(frozen=True, eq=False)
 class _Given:
-    """Vectors [n, 3] that are given for every vertex, in the place of a light or of an eye."""
+    """Vectors [n, 3], one for every vertex, which replace a light or an eye."""
 
     vectors: np.ndarray
     panel = Panel(0, 0, _CELLS, _CELLS)
@@ -44,7 +44,7 @@ def on_machine(profile):
     """The bracket that K04's passes leave for _CELLS x _CELLS pairs of v.t and l.t, and both dot products:
     float64 [_CELLS, _CELLS] each.
 
-    t is +x; the last pass, which multiplies by k_s (n.l)+, is left out.
+    t is +x. The last pass, which multiplies by k_s (n.l)+, is omitted.
     """
     axis = (np.arange(_CELLS) + 0.5) * (2.0 / _CELLS) - 1.0
     view, light = np.meshgrid(axis, axis)
@@ -61,7 +61,7 @@ def on_machine(profile):
     )
 
     def leaning(products):
-        """Unit vectors with these products with +x, at every cell's four corners."""
+        """Unit vectors whose dot products with +x are these, at every cell's four corners."""
         flat = np.repeat(products.ravel(), 4)
         return np.stack([flat, 0.0 * flat, np.sqrt(1.0 - flat * flat)], axis=-1)
 
@@ -86,7 +86,7 @@ def _regions(samples):
 
 
 def _row(name, found, view, light):
-    """A row: ``found`` against the exact bracket, and against R*'s."""
+    """A row: ``found`` compared with the exact bracket, and with the bracket by R*."""
     error = found - banks_bracket(view, light)
     worst = int(np.abs(error).argmax())
     return (
@@ -101,7 +101,7 @@ def _row(name, found, view, light):
 
 
 def measure(profile):
-    """A row for each part of the square in float64, and one for the machine."""
+    """The table, with a row for each part of the square in float64, and one for the machine."""
     rows = [
         _row(name, banks_bracket(view, light, banks_r_approximate), view, light)
         for name, (view, light) in _regions(_SAMPLES).items()
@@ -131,7 +131,7 @@ def measure(profile):
 
 
 def findings(table):
-    """How much is lost and where."""
+    """How much is lost, and where."""
     whole, cone, *_, machine = table.records()
     return (
         f"R* makes Banks' bracket darker by {-whole['mean']:.3f} in the mean over the square of v.t and "
@@ -175,7 +175,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The error over the square, and both brackets along the cone."""
+    """The error over the square of v.t and l.t, and both brackets along the cone."""
     square, cone = axes
     picture = square.imshow(
         table.curves["error"], origin="lower", extent=(-1, 1, -1, 1), cmap="YlOrBr_r", vmin=-0.25, vmax=0.0

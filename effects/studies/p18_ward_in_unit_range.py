@@ -1,4 +1,4 @@
-"""P18: Ward's model in colours of [0, 1]: its factor and its square root leave them.
+"""P18: Ward's model in colours of [0, 1]: its factor and its square root exceed this range.
 
 Source: Kautz, Seidel 2000, section 3.3 (artefact P18, pass sequence A-K09 of the catalogue).
 """
@@ -46,7 +46,7 @@ def stored(values, profile):
 
 
 def measure(profile):
-    """A row for each alpha, the same along both axes: the factor wanted, and the stored one."""
+    """The table, with a row for each alpha, the same along both axes: the true factor, and the stored one."""
     wanted = np.array([brdfs.ward_scale(alpha, alpha) for alpha in ALPHAS])
     padded = np.concatenate([wanted, np.zeros(16 - len(wanted))])
     kept = stored(padded[:, None], profile)[: len(wanted), 0]
@@ -68,8 +68,8 @@ def measure(profile):
 
 
 def _clamped_below(table):
-    """The p below which the table of S holds its largest value: between the last texel that does and the
-    first that does not.
+    """The p below which the table of S has its largest value: the middle between the last texel with this
+    value and the first without it.
     """
     p, cut = table.curves["p"], table.curves["S"] > LARGEST_S
     full = table.curves["S stored"] >= LARGEST_S
@@ -77,7 +77,7 @@ def _clamped_below(table):
 
 
 def findings(table):
-    """Where the colours end."""
+    """The alpha and the p at which the colours' range ends."""
     lost = [r for r in table.records() if r["1 / (4 pi ax ay)"] > 1.0]
     edge = max(r["product"] for r in lost)
     (narrow,) = (r for r in lost if r["alpha_x = alpha_y"] == 0.1)

@@ -1,8 +1,8 @@
-"""P19: vectors as vertex colours: bytes, interpolated linearly, not normalized; and one vector a polygon.
+"""P19: vectors as vertex colours (bytes, linearly interpolated, not normalized), or one for each polygon.
 
-A cylinder of few or many slices stands under one light. Either every slice's edges are vertices with halfway
-vectors of their own (K07), or every slice has one vector, as the imaging subset needs (section 4.2: the
-facets).
+One light shines on a cylinder of few or many slices. In one way, the vertices at every slice's edges have
+halfway vectors of their own (K07). In the other, every slice has one vector, as the imaging subset needs
+(section 4.2: the facets).
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P19 of the catalogue).
 """
@@ -51,7 +51,7 @@ _PHASES = (0.0, 0.25, 0.5, 0.75)
 
 
 def highlight(surface, profile):
-    """Eq. 1 of a smooth material on the cylinder across the picture: float64 [_WIDTH]."""
+    """Eq. 1 for a smooth material on the cylinder, across the picture: float64 [_WIDTH]."""
     material = material_textures.isotropic(1, 1, ALPHA)
     loading, names = material_textures.load(material, "smooth", profile)
     passes = anisotropic_blinn_phong.specular_pass(surface, names, _VIEW, _LIGHT, profile, first=True)
@@ -62,7 +62,7 @@ def highlight(surface, profile):
 
 
 def true_highlight():
-    """The same without polygons, and where it is: float64 [_WIDTH] each."""
+    """The same highlight without polygons, and its places: float64 [_WIDTH] each."""
     x = (np.arange(_WIDTH) + 0.5) * (2.0 / _WIDTH) - 1.0
     angle = np.arcsin(x)
     half = np.stack([np.sin(HIGHLIGHT - angle), 0.0 * x, np.cos(HIGHLIGHT - angle)], axis=-1)
@@ -71,7 +71,7 @@ def true_highlight():
 
 
 def shortest(surface, profile):
-    """The least length of the halfway vector between two vertices, interpolated in the machine's
+    """The smallest length of the interpolated halfway vector between two vertices, from the machine's
     framebuffer.
     """
     colors = vector_colors(half_vectors(surface, _VIEW, _LIGHT), profile)
@@ -85,8 +85,8 @@ def shortest(surface, profile):
 
 
 def slope_jump(slices):
-    """The jump of the highlight's slope at a vertex half way down its flank, over the steepest slope 2/alpha,
-    on the ideal, so that it shows interpolation without any rounding.
+    """The jump of the highlight's slope at a vertex half way down its flank, divided by the steepest slope
+    2/alpha. The ideal draws it, so it shows interpolation without rounding.
     """
     vertex = HIGHLIGHT + np.arcsin(ALPHA / 2.0)
     step = 2.0 * np.pi / slices
@@ -106,7 +106,7 @@ def _half_width(x, value):
 
 
 def measure(profile):
-    """A row for each number of slices."""
+    """The table, with a row for each number of slices."""
     x, true = true_highlight()
     lit, rows, curves = true > 0.0, [], {"x": x, "true": true}
     for slices in SLICES:
@@ -148,13 +148,13 @@ def measure(profile):
 
 
 def _power(table, name):
-    """By which power of the angle a column falls, between 16 slices and 50."""
+    """The power of the angle with which a column falls, between 16 slices and 50."""
     rows = {r["slices"]: r for r in table.records()}
     return float(np.log(rows[16][name] / rows[50][name]) / np.log(rows[16]["angle"] / rows[50]["angle"]))
 
 
 def findings(table):
-    """What vertex colours and polygons cost."""
+    """The errors of vertex colours and of polygons."""
     rows = {r["slices"]: r for r in table.records()}
     coarse, paper, fine = rows[8], rows[50], rows[200]
     power = _power(table, "RMS, float64")
@@ -171,7 +171,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's length, and what its words claim."""
+    """The catalogue's length, and its claims in words."""
     rows = {r["slices"]: r for r in table.records()}
     jumps, polygons = table.column("slope jump"), table.column("RMS, a vector a polygon")
     for r in table.records():
@@ -201,7 +201,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Across the highlight with few and many slices, and the errors by angle."""
+    """The values across the highlight with few and many slices, and the errors by angle."""
     across, errors = axes
     x = table.curves["x"]
     shown = np.abs(x - np.sin(HIGHLIGHT)) < 0.36

@@ -1,4 +1,4 @@
-"""P20: vectors that are interpolated along the chord, and along the arc as the paper asks.
+"""P20: vectors that are interpolated along the chord, or along the arc, as the paper proposes.
 
 Source: Kautz, Seidel 2000, section 5.1 (K17, artefact P20 of the catalogue).
 """
@@ -22,7 +22,7 @@ _ACROSS = 256
 
 
 def strip_between(delta):
-    """A strip whose ends have unit vectors ``delta`` apart as colours, as EXPAND_NORMAL reads them."""
+    """A strip whose ends have unit vectors ``delta`` apart, as colours in EXPAND_NORMAL's encoding."""
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     angle = corners[:, 0] * delta / 2.0
     vectors = np.stack([sine(angle), 0.0 * angle, cosine(angle)], axis=1)
@@ -35,7 +35,7 @@ def directions(delta, spherical, profile):
     """Angles in radians of the vectors that the machine interpolates across the strip, from its middle:
     float64 [256].
 
-    The buffer's components have 16 bits, so that the angle is read and not the byte.
+    The buffer's components have 16 bits, so the rounding of bytes does not hide the angle.
     """
     state = PassState(spherical_primary_color=spherical)
     command = Draw(label="the primary colour", mesh=strip_between(delta), state=state)
@@ -50,7 +50,7 @@ def lag(delta, spherical, profile):
 
 
 def measure(profile):
-    """A row for each angle between neighbouring vertices."""
+    """The table, with a row for each angle between neighbouring vertices."""
     rows, curves = [], {}
     for delta in DELTAS:
         linear, arc = lag(delta, False, profile), lag(delta, True, profile)
@@ -70,7 +70,7 @@ def measure(profile):
 
 
 def _power(table):
-    """By which power of the angle the chord's error grows, over the last rows."""
+    """The power of the angle with which the chord's error grows, from the last rows."""
     angle = np.log(table.column("angle between vertices"))
     off = np.log(table.column("off along the chord"))
     return float((off[-1] - off[2]) / (angle[-1] - angle[2]))
@@ -113,7 +113,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The errors by angle, and across a triangle."""
+    """The errors by angle, and the error across a triangle."""
     by_angle, across = axes
     angle = table.column("angle between vertices")
     by_angle.loglog(angle, table.column("off along the chord"), color=BLUE, marker="o", label="chord")

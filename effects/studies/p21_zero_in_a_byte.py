@@ -1,4 +1,4 @@
-"""P21: zero in a byte: half of 255 is not a whole number.
+"""P21: zero in a byte: half of 255 is not an integer.
 
 Source: Kautz, Seidel 2000, section 4.1 (artefact P21 of the catalogue).
 """
@@ -33,14 +33,14 @@ _CONVENTIONS = ((128.0, 128.0), (127.5, 127.5), (127.5, 128.0), (128.0, 127.5))
 
 
 def _dot_product(sign):
-    """Combiners that show 4 (h.t) where it has that sign, positive."""
+    """Combiners that show the magnitude of 4 (h.t) if it has this sign."""
     first = anisotropic_blinn_phong.combiners().general[0]
     positive = signed(SPARE0) if sign > 0 else negated(SPARE0)
     return program(first, product(positive, ONE, to=SPARE0), shown(SPARE0))
 
 
 def flat_dot_product(stored_half, read_half, profile):
-    """4 (h.t) on the machine for a flat material, whose t is +x, under h = +z: zero if zero is kept."""
+    """The machine's 4 (h.t) for a flat material, whose t is +x, with h = +z. If zero is exact, it is zero."""
     storing = profile.changed(expand_half=stored_half)
     reading = profile.changed(expand_half=read_half)
     material = material_textures.isotropic(1, 1, 1.0)
@@ -56,7 +56,7 @@ def flat_dot_product(stored_half, read_half, profile):
 
 
 def measure(profile):
-    """A row for each pair of conventions."""
+    """The table, with a row for each pair of conventions."""
     rows = []
     for stored_half, read_half in _CONVENTIONS:
         storing = profile.changed(expand_half=stored_half)
@@ -86,7 +86,7 @@ def measure(profile):
 
 
 def findings(table):
-    """The cost of a zero that is not stored exactly."""
+    """The error because zero is not stored exactly."""
     kept, real, mixed, _ = table.records()
     return (
         f"With the half at 127.5 a stored zero reads as {real['zero read']:.4f}. The dot product of a flat "

@@ -1,4 +1,4 @@
-"""P22: how far a shadow map's depths are moved, and what too little and too much of it does.
+"""P22: the bias of a shadow map's depths, and the effect of a bias that is too small or too large.
 
 Source: Zwicker 2016 (artefact P22 of the catalogue).
 """
@@ -25,7 +25,7 @@ UNITS = (0.0, 4.0, 1e3, 1e4, 3e4, 1e5, 2e5, 4e5, 1e6)
 
 
 def measure(profile):
-    """A row for each offset: speckle on the lit floor, and the gap behind a thin board."""
+    """The table, with a row for each offset: speckle on the lit floor, and the gap behind a thin board."""
     offsets = (*((factor, OFFSET_UNITS) for factor in FACTORS), *((0.0, units) for units in UNITS))
     scene, lamp = ring_and_board(_SIZE)
     truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
@@ -57,13 +57,13 @@ def _sweep(table, by_slope):
 
 
 def _first_clean(rows):
-    """The first row of a sweep from which on at most 0.1 % of the lit floor is dark."""
+    """The first row of a sweep such that from there on at most 0.1 % of the lit floor is dark."""
     clean = [r["lit floor that is dark"] <= 0.1 for r in rows]
     return next(row for k, row in enumerate(rows) if all(clean[k:]))
 
 
 def findings(table):
-    """The bias that removes speckle, and the gap that it opens, by slope and by a constant."""
+    """The bias that removes speckle, and the gap that it causes, with a slope and with a constant."""
     none = table.records()[0]
     slope, constant = (_first_clean(_sweep(table, by_slope)) for by_slope in (True, False))
     most = _sweep(table, True)[-1]
@@ -82,7 +82,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's numbers, and where the sweep must turn."""
+    """The catalogue's numbers, and the place where the sweep must turn."""
     slopes = _sweep(table, True)
     none = _sweep(table, False)[0]
     (right,) = [r for r in slopes if r["factor"] == OFFSET_FACTOR]

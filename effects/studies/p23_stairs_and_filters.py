@@ -1,9 +1,9 @@
-"""P23: a shadow map's edge is a stair of texels, and filters of comparisons make ramps of the stairs.
+"""P23: a shadow map's edge is a stair of texels, and filters of comparisons turn the stairs into ramps.
 
 Source: Zwicker 2016, "sampling problems" and "percentage closer filtering" (artefact P23 of the catalogue).
 
-A straight edge stands above a floor under a distant light, and the viewer is above. So texels are rectangles
-of one size on the screen. The machine's edge is compared with the true one, row by row of pixels.
+A straight edge is above a floor under a distant light, and the viewer is above both. So texels are rectangles
+of one size on the screen. The machine's edge is compared with the true one in each row of pixels.
 """
 
 import math
@@ -40,7 +40,7 @@ _HALF_WIDTH = 2.0
 
 
 def scene():
-    """A floor in z = 0, and a plate above its left half whose right edge is tilted."""
+    """A floor in z = 0, and above its left half a plate with a tilted right edge."""
     plate = surfaces.box(_PLATE_WIDTH, 8.0, _THICKNESS).moved(_PLATE_X, 0.0, _HEIGHT)
     floor, white = surfaces.plane(1, 1, 3.0, 3.0), (1.0, 1.0, 1.0)
     return Scene(
@@ -52,7 +52,7 @@ def scene():
 
 
 def lamp():
-    """The light far away whose map's rows are the screen's."""
+    """The distant light; the rows of its map are parallel to those of the screen."""
     return Lamp(_LIGHT, (0.0, 0.0, 0.0), -4.0, 6.0, infinite=True, half_width=_HALF_WIDTH)
 
 
@@ -73,7 +73,7 @@ def true_edge():
 
 
 def picture(edge, kernel, profile):
-    """How lit the machine draws the floor, 0 to 1: float64 [_SIZE, _SIZE], bottom row first.
+    """The light on the floor that the machine draws, 0 to 1: float64 [_SIZE, _SIZE], bottom row first.
 
     ``kernel``: one of KERNELS.
     """
@@ -94,7 +94,7 @@ def picture(edge, kernel, profile):
 
 def ramp(lit):
     """The mean brightness across the edge: distances from the true edge, in pixels along a row; the mean at
-    each; and the standard deviation along the edge.
+    each distance; and the standard deviation along the edge.
     """
     distance = np.arange(_SIZE) + 0.5 - true_edge()[:, None]
     at = np.floor(distance + _REACH).astype(int)
@@ -106,13 +106,13 @@ def ramp(lit):
 
 
 def middle(distances, mean):
-    """Where the edge is in the mean, in pixels along a row from the true one."""
+    """The mean place of the edge, in pixels along a row from the true edge."""
     weights = np.diff(mean)
     return float((weights * 0.5 * (distances[1:] + distances[:-1])).sum() / weights.sum())
 
 
 def spread(distances, mean):
-    """Standard deviation of where the edge is, in pixels perpendicular to it, from its mean ramp."""
+    """The standard deviation of the edge's place, in pixels perpendicular to it, from its mean ramp."""
     weights = np.diff(mean)
     at = 0.5 * (distances[1:] + distances[:-1])
     variance = (weights * (at - middle(distances, mean)) ** 2).sum() / weights.sum()
@@ -122,8 +122,8 @@ def spread(distances, mean):
 def expected_spread(edge, kernel):
     """The standard deviation that texels explain.
 
-    Inferred: the edge may lie anywhere in a texel; k of them in a row have k times its extent; the ramp of a
-    linear filter is two texels long and a triangle. A pixel adds its own width.
+    Inferred: the edge may be anywhere in a texel; k texels in a row have k times its extent; the ramp of a
+    linear filter is two texels long, with a triangular weight. A pixel adds its own width.
     """
     width, height = texel(edge)
     stretch = 2.0 if kernel == FILTER else float(int(kernel) ** 2)
@@ -133,7 +133,7 @@ def expected_spread(edge, kernel):
 
 
 def measure(profile):
-    """A row for each map without a filter, then one for each kernel."""
+    """The table, with a row for each map without a filter, then one for each kernel."""
     rows, curves = [], {}
     for edge, kernel in (*((e, "1") for e in EDGES), *((_KERNEL_EDGE, k) for k in KERNELS[1:])):
         distances, mean, deviation = ramp(picture(edge, kernel, profile))
@@ -160,12 +160,12 @@ def measure(profile):
 
 
 def _of_kernels(table):
-    """The rows of one map by kernels."""
+    """The rows of one map, by kernel."""
     return [row for row in table.rows if row[0] == _KERNEL_EDGE]
 
 
 def findings(table):
-    """How far off edges are, and what filters make of it."""
+    """The errors of edges, and the effect of filters on them."""
     first, last = table.rows[0], table.rows[len(EDGES) - 1]
     plain, linear, *_, wide = _of_kernels(table)
     wider = wide[3] / plain[3]
@@ -180,7 +180,7 @@ def findings(table):
 
 
 def checks(table):
-    """Jaggedness is the texel's, and stairs are as low as comparisons are many."""
+    """Jaggedness has the size of a texel, and stairs are lower with more comparisons."""
     worst = max(abs(row[3] / row[4] - 1.0) for row in table.rows)
     plain, linear, *rest = _of_kernels(table)
     beside = [middle(*table.curves[f"{row[0]} {row[1]}"][:2]) / row[2] for row in table.rows]

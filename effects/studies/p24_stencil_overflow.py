@@ -31,7 +31,7 @@ _REACH = 1.1
 
 
 def nested(number):
-    """``number`` volumes below plates, the light straight above; i is where |z| < (i - 1/2) / number."""
+    """``number`` volumes below plates, the light straight above. Volume i is |z| < (i - 1/2) / number."""
     plate = surfaces.box(4.0, 0.1, 2.0).moved(0.0, 1.0, 0.0)
     volume = shadow_volumes.shadow_volume(plate, (0.0, 1.0, 0.0, 0.0), 4.0)
     widths = (np.arange(number) + 0.5) / number
@@ -44,19 +44,20 @@ def _view():
 
 
 def depths():
-    """Where the slanting screen is in each column of pixels: z, towards the eye, float64 [_COLUMNS]."""
+    """The place of the slanted screen in each column of pixels: z, towards the eye, float64 [_COLUMNS]."""
     return _REACH * ((np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2.0 - 1.0)
 
 
 def true_counts(number):
-    """How many of the volumes each column of the screen is in: int64 [_COLUMNS]."""
+    """In how many of the volumes each column of the screen is: int64 [_COLUMNS]."""
     widths = (np.arange(number) + 0.5) / number
     return (np.abs(depths())[:, None] < widths).sum(axis=1)
 
 
 def counts(profile, number, algorithm, operations, swapped=False):
-    """The stencil buffer's value in each column after ``algorithm``, z_pass_counts or z_fail_counts, its two
-    passes in the other order if ``swapped``: int64 [_COLUMNS].
+    """The stencil buffer's value in each column after ``algorithm``: int64 [_COLUMNS].
+
+    ``algorithm``: z_pass_counts or z_fail_counts. ``swapped``: whether its two passes change their order.
     """
     view = _view()
     screen = surfaces.plane(1, 1, 1.0, 1.0)
@@ -85,8 +86,8 @@ _WAYS = (
 
 
 def lost(number):
-    """The part of the shadow that clamped counts lose: what lies behind so many planes that 255 of them were
-    not counted when they were entered, but all were when they were left.
+    """The part of the shadow that clamped counts lose. There, entries into volumes beyond 255 were not
+    counted, but all exits were.
     """
     return max(number - _MOST, 0) / (2.0 * number)
 
@@ -97,7 +98,7 @@ def wrapped(number):
 
 
 def measure(profile):
-    """A row for each number of volumes."""
+    """The table, with a row for each number of volumes."""
     has_wrap = shadow_volumes.counting_operations(profile) == WRAPPING
     z, inside = depths(), true_counts(_SHOWN)
     rows, curves = [], {"z": z, "volumes": inside, "entered": np.where(z < 0.0, _SHOWN, inside)}
@@ -125,7 +126,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What is lost, and to whom."""
+    """How much shadow is lost with each way to count."""
     rows = {row["volumes"]: row for row in table.records()}
     few, many, most = rows[_MOST], rows[_SHOWN], rows[_NUMBERS[-1]]
     out = (
@@ -149,7 +150,7 @@ def findings(table):
 
 
 def checks(table):
-    """No error up to 255, and beyond it the error that the arithmetic predicts."""
+    """No error up to 255 volumes, and beyond that the error that the arithmetic predicts."""
     rows = table.records()
     pixel = 3.0 * _REACH / _COLUMNS
     for heading in ("z-pass INCR, DECR", "z-fail INCR, DECR"):
@@ -201,7 +202,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Counts through the volumes, and how much is wrong by number."""
+    """The counts through the volumes, and the wrong share by number of volumes."""
     left, right = axes
     z, curves, n = table.curves["z"], table.curves, table.column("volumes")
     left.plot(-z, curves["volumes"], color=BLACK, linestyle=":", label="volumes that the point is in")

@@ -39,10 +39,10 @@ _EDGE, _RELIEF = 256, 0.02
 
 
 def between_levels(pair, part, profile):
-    """D as the machine filters it trilinearly, ``part`` of the way between two levels that hold D in bytes:
-    float64 [3].
+    """The machine's trilinear filter of D at the fraction ``part`` of the way between two levels that have D
+    in bytes: float64 [3].
 
-    The buffer's components have 16 bits, so that the filter is read and not the byte.
+    The buffer's components have 16 bits, so the rounding of bytes does not hide the filter.
     """
     stored = [rough.deviation_bytes(rough.deviations(np.array(k)), _DEVIATION) for k in pair]
     images = [np.tile(codes, (edge, edge, 1)) for codes, edge in zip(stored, (2, 1), strict=True)]
@@ -62,7 +62,7 @@ def between_levels(pair, part, profile):
 
 
 def along_u(pair, part):
-    """The variance along u by K and by D, ``part`` of the way between two levels, in floats."""
+    """The variance along u by K and by D, at the fraction ``part`` between two levels, in floats."""
     first, second = (np.array(k) for k in pair)
     by_k = first * (1.0 - part) + second * part
     d = rough.deviations(first) * (1.0 - part) + rough.deviations(second) * part
@@ -74,8 +74,8 @@ def _low(found, right):
 
 
 def _of_stones():
-    """Rows of a pyramid of stones: what D loses midway between two levels, where the coarser one's texels
-    stand.
+    """Rows for a pyramid of stones: the loss of D midway between two levels, at the texels of the coarser
+    level.
     """
     stones = height_fields.pebbles(_EDGE, _EDGE, 24, 7)
     levels = rough.from_heights(_RELIEF * stones / stones.max())
@@ -89,7 +89,7 @@ def _of_stones():
 
 
 def measure(profile):
-    """A row for each pair, midway, and for each two levels of stones."""
+    """The table, with a row for each pair, midway, and for each two levels of stones."""
     rows, curves = [], {"part": np.arange(_STEPS + 1) / _STEPS}
     for name, pair in PAIRS.items():
         by_k, by_d = along_u(pair, 0.5)
@@ -160,7 +160,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The variance along u all the way between two levels, and the loss in a pyramid."""
+    """The variance along u from one level to the other, and the loss in a pyramid."""
     way, stones = axes
     part = table.curves["part"]
     for name, color in (("0.5 and 1.5", BLUE), ("ridges / and \\", ORANGE)):

@@ -34,7 +34,7 @@ _EDGE, _RELIEF = 256, 0.02
 
 
 def squares(sigma):
-    """K in bytes of one and more: uint8."""
+    """K, the squares of deviations, in bytes: uint8."""
     return np.floor(255.0 * np.asarray(sigma, np.float64) ** 2 + 0.5).astype(np.uint8)
 
 
@@ -44,7 +44,7 @@ def deviations(sigma):
 
 
 def read(sigma, profile):
-    """Deviations as a machine reads them back, of K and of D in bytes: float64 [n] each."""
+    """Deviations that a machine reads from K and from D in bytes: float64 [n] each."""
     sigma = np.asarray(sigma, np.float64)
     codes = np.stack([squares(sigma), deviations(sigma), 0 * deviations(sigma)], axis=-1)
     count = len(sigma)
@@ -66,10 +66,10 @@ def read(sigma, profile):
 
 
 def _of_stones():
-    """Rows for the levels of stones: the share of rough texels that K and D in bytes hold as smooth, and the
-    errors of I_1 that are left, over the level's mean.
+    """Rows for the levels of stones: the share of rough texels that are smooth in bytes of K and D, and the
+    remaining errors of I_1, divided by the level's mean.
 
-    One is the largest number of the whole pyramid, in K as in D.
+    For both K and D, 1.0 is the largest number of the whole pyramid.
     """
     stones = height_fields.pebbles(_EDGE, _EDGE, 24, 7)
     levels = rough.from_heights(_RELIEF * stones / stones.max())
@@ -95,7 +95,7 @@ def _of_stones():
 
 
 def measure(profile):
-    """A row for each deviation, and one for each level of stones."""
+    """The table, with a row for each deviation, and one for each level of stones."""
     found = zip(SIGMAS, *read(np.array(SIGMAS), profile), strict=True)
     rows = []
     for sigma, *stored in found:
@@ -119,13 +119,13 @@ def measure(profile):
 
 
 def _smallest(table, what):
-    """The smallest deviation above zero that bytes of ``what`` hold."""
+    """The smallest deviation above zero in bytes of ``what``."""
     held = table.curves[what]
     return float(held[held > 0.0].min())
 
 
 def findings(table):
-    """The smallest roughness of either, and what stones lose."""
+    """The smallest roughness in K and in D, and the loss for stones."""
     row = {r["what"]: r for r in table.records()}
     least_k, least_d = _smallest(table, "K"), _smallest(table, "D")
     at = row["sigma 0.05"]
@@ -172,7 +172,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The values read from bytes against the stored ones, and their error."""
+    """The values read from bytes by the stored values, and their error."""
     seen, off = axes
     sigma = table.curves["sigma"]
     for name, color in (("K", ORANGE), ("D", BLUE)):

@@ -1,8 +1,9 @@
 """P27: one level of an environment map for both directions of a cylinder.
 
-Pipes as S07's, without shade, are drawn with every level set by hand, with the machine's own level and with
-filters of several probes. The reference has 256 rays a pixel. The table has the error, and the ratio of the
-changes from pixel to pixel: along the axis (below one: blurred) and round the pipe (above one: noise).
+The study draws pipes like S07's, without shading: with every level set by hand, with the machine's own level,
+and with filters of several probes. The reference has 256 rays for each pixel. The table has the error, and
+the ratio of the changes from pixel to pixel: along the axis (below one: blur) and around the pipe (above one:
+noise).
 
 Source: Schilling 1997, section 2 (artefact P27 of the catalogue).
 """
@@ -34,7 +35,7 @@ LEVELS = tuple(np.arange(13) / 2.0)
 
 
 def _ways(profile):
-    """Names and samplers, those of several probes last."""
+    """(name, sampler) of each way; those with several probes come last."""
     for level in LEVELS:
         yield f"level {level:g}", sampler(lod=float(level))
     yield "the machine's", sampler()
@@ -46,7 +47,7 @@ def _ways(profile):
 
 
 def measure(profile):
-    """A row for each way."""
+    """The table, with a row for each way."""
     view = perspective_view(Panel(0, 0, SIZE, SIZE), EYE, field_of_view=FIELD)
     picture, rows = shelves(SIZE // 2), []
     found = supersampled(view, PIPES, picture)
@@ -72,7 +73,7 @@ def _by_filter(table):
 
 
 def _best(table):
-    """The level by hand that is least off."""
+    """The level set by hand with the smallest error."""
     return min((r for r in table.records() if r["filter"].startswith("level")), key=lambda r: r["RMS"])
 
 
@@ -81,7 +82,7 @@ def _worse(row):
 
 
 def findings(table):
-    """What one level costs, and what several probes save."""
+    """The error of a single level, and the gain from several probes."""
     rows, best, last = _by_filter(table), _best(table), table.records()[-1]
     own, sharp = rows["the machine's"], rows["level 0"]
     return (
@@ -96,7 +97,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's third, and the two faults of a single level."""
+    """The catalogue's number, one third, and the two errors of a single level."""
     best, last = _best(table), table.records()[-1]
     yield DATA.check(
         "RMS of the most probes over the best single level's",

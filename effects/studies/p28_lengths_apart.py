@@ -1,4 +1,4 @@
-"""P28: the direction between two vectors of different length, interpolated with their lengths and without.
+"""P28: the interpolated direction between two vectors of different length, with their lengths and without.
 
 Source: Schilling 1997, section 7.1 (S13, artefact P28 of the catalogue).
 """
@@ -30,8 +30,8 @@ _STEP = 2.0 / 65535.0
 
 
 def strip_between(angle, ratio):
-    """A strip from a vector of length one to one ``ratio`` times shorter, ``angle`` degrees apart, as colours
-    that EXPAND_NORMAL reads.
+    """A strip from a vector of length one to a vector ``ratio`` times shorter, ``angle`` degrees apart. They
+    are colours for EXPAND_NORMAL.
     """
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     turned = -corners[:, 0] * np.radians(angle) / 2.0
@@ -43,7 +43,7 @@ def strip_between(angle, ratio):
 def directions(angle, ratio, profile):
     """Angles in degrees of the vectors that the machine interpolates across the strip: float64 [_ACROSS].
 
-    The buffer's components have 16 bits, so that the angle is read and not the byte.
+    The buffer's components have 16 bits, so the rounding of bytes does not hide the angle.
     """
     mesh, _ = strip_between(angle, ratio)
     command = Draw(label="the primary colour", mesh=mesh, state=PassState())
@@ -52,7 +52,7 @@ def directions(angle, ratio, profile):
 
 
 def measure(profile):
-    """A row for each angle and ratio."""
+    """The table, with a row for each angle and ratio."""
     rows = []
     for angle in ANGLES:
         # Directions of length one, as they are interpolated apart from their lengths.
@@ -78,7 +78,7 @@ def measure(profile):
 
 
 def findings(table):
-    """How far directions are off in the middle, and how fast they turn near the shorter vector."""
+    """The error of directions in the middle, and how fast they turn near the shorter vector."""
     worst = max(table.records(), key=lambda r: r["off as they are"])
     largest = max(abs(a) for a in table.column("off, lengths apart"))
     turning = {
@@ -98,7 +98,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's formula, and no error if lengths are interpolated apart."""
+    """The catalogue's formula, and no error if lengths are interpolated separately."""
     off = max(abs(r["off as they are"] - r["computed"]) for r in table.records())
     yield DATA.check(
         "degrees off in the middle - atan((L1 - L2)/(L1 + L2) tan(phi/2)), largest",
@@ -123,7 +123,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The middle's error by angle, and directions all the way."""
+    """The error in the middle by angle, and the directions from one vector to the other."""
     by_angle, across = axes
     for ratio, color in zip(RATIOS, (SKY, BLUE, GREEN, RED), strict=True):
         rows = [r for r in table.records() if r["one is longer"] == ratio]

@@ -1,8 +1,8 @@
 """P29: bytes for an environment of high dynamic range, clamped before or after the filter.
 
-A sun of radius r and radiance L stands in a grey g. Phong's lobe of exponent e at the sun's middle has the
-share 1 - cos^(e + 1) r of its weight in the sun. So its brightest value is g + (L - g) share. With a sun
-clamped at one it is g + (1 - g) share, so (L - 1) share is lost.
+A sun of radius r and radiance L is in a grey g. Phong's lobe of exponent e at the sun's middle has the share
+1 - cos^(e + 1) r of its weight in the sun. So its brightest value is g + (L - g) share. If the sun is clamped
+at one, it is g + (1 - g) share, so (L - 1) share is lost.
 
 Source: Heidrich 2001, section 1.6 (H33; artefact P29 of the catalogue).
 """
@@ -30,7 +30,7 @@ _PIXELS = 4
 
 
 def probe(sun):
-    """A grey with a sun: float64 [6, 128, 128, 3], four by four samples a texel."""
+    """A grey with a sun: float64 [6, 128, 128, 3], with 4x4 samples for each texel."""
     fine = cube_maps.directions(4 * _EDGE)
     inside = (fine @ _SUN > _COSINE).astype(np.float64)
     covered = inside.reshape(6, _EDGE, 4, _EDGE, 4).mean(axis=(2, 4))
@@ -38,7 +38,7 @@ def probe(sun):
 
 
 def _read(cube, profile):
-    """What a machine finds in a cube map towards the sun, 1.0 = full."""
+    """The value that a machine reads from a cube map towards the sun, 1.0 = full."""
     view, square = orthographic_view(Panel(0, 0, _PIXELS, _PIXELS)), plane()
     mesh = square.mesh(np.broadcast_to(_SUN, square.positions.shape))
     read = unit("filtered probe", EDGE, environment=REPLACE)
@@ -51,7 +51,7 @@ def _read(cube, profile):
 
 
 def measure(profile):
-    """A row for each sun and exponent; every map is scaled by the brightest float."""
+    """The table, with a row for each sun and exponent; every map is scaled by the brightest float."""
     rows = []
     for sun in SUNS:
         floats = probe(sun)
@@ -77,7 +77,7 @@ def measure(profile):
 
 
 def findings(table):
-    """The share of the sun's image that a clamped probe keeps."""
+    """The share of the sun's image that remains with a clamped probe."""
     row = {(r["sun"], r["exponent"]): r["kept, machine"] for r in table.records()}
     return (
         "A probe has a sun a hundred times as bright as full, and is made bytes before the filter. A lobe "
@@ -107,7 +107,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The share that is kept, by exponent, for each sun."""
+    """The remaining share by exponent, for each sun."""
     (kept,) = axes
     for sun, color in zip(SUNS, (BLUE, GREEN, ORANGE), strict=True):
         rows = [r for r in table.records() if r["sun"] == sun]

@@ -1,4 +1,4 @@
-"""P30: the document's bytes of normals, and what reads them.
+"""P30: the document's bytes of normals, and the parts of machines that read them.
 
 Source: Zwicker 2016, "Storing bump maps" (artefact P30 of the catalogue).
 """
@@ -56,8 +56,8 @@ GRAZING = 10.0
 
 
 def _axes_combiners(factor, half):
-    """Combiners that show the positive part of n.axis times ``factor``, or of its negative, as ``half`` says
-    (``signed`` or ``negated``); the axis is the primary colour.
+    """Combiners that show the positive part of n.axis times ``factor``, or of its negative: ``half`` is
+    ``signed`` or ``negated``. The axis is the primary colour.
     """
     return program(
         scaled(factor, dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0)),
@@ -71,7 +71,7 @@ def _loaded(stored):
 
 
 def _by_combiners(stored, profile):
-    """(x, y, z) of a flat texel as combiners read it: x and y with the factor 4, taken back."""
+    """(x, y, z) of a flat texel as combiners read it. They show 4 x and 4 y, which are divided by 4 again."""
     out = []
     for axis, factor in ((0, 4.0), (1, 4.0), (2, 1.0)):
         color = 0.5 + 0.5 * np.eye(3)[axis]
@@ -101,8 +101,8 @@ _ENLARGED, _PLACES = 32.0, 256
 
 
 def _by_dot_products(stored, profile):
-    """(x, y, z) of a flat texel as two dot products of a texture shader read it, by where in a table they
-    look; z is what their mapping makes of the byte.
+    """(x, y, z) of a flat texel as two dot products of a texture shader read it. x and y come from the place
+    in a table that they look up, and z from their mapping of the byte.
     """
     place = np.arange(_PLACES, dtype=np.uint8)
     s, t = np.meshgrid(place, place)
@@ -138,7 +138,7 @@ def _by_dot_products(stored, profile):
 
 
 def _decoded(stored, reader):
-    """Bytes as a reader takes them, float64 of the same shape."""
+    """The numbers that a reader makes of bytes, float64 of the same shape."""
     stored = np.asarray(stored, np.float64)
     if reader == "fragment program":
         return normal_maps.decode(stored)
@@ -151,7 +151,7 @@ def _lean(vector):
 
 
 def measure(profile):
-    """A row for each reader and each way of making bytes."""
+    """The table, with a row for each reader and each way of making bytes."""
     rows = []
     directions = random_directions(_NORMALS, 30)
     directions[:, 2] = np.abs(directions[:, 2])
@@ -192,7 +192,7 @@ def measure(profile):
 
 
 def findings(table):
-    """The error from the half byte, and which readers have it."""
+    """The error of half a byte, and which readers have it."""
     row = {(r["read by"], r["bytes"]): r for r in table.records()}
     real, cut = row["fragment program", "rounded"], row["fragment program", "cut off"]
     combiners, dots = row["combiners", "rounded"], row["dot products", "rounded"]
@@ -212,7 +212,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's number, and the readers that have no such lean."""
+    """The catalogue's number, and the readers without such a lean."""
     row = {(r["read by"], r["bytes"]): r for r in table.records()}
     real = row["fragment program", "rounded"]
     place = math.degrees(math.sqrt(2.0) / (_PLACES * _ENLARGED))

@@ -24,7 +24,7 @@ ALL = 3000
 
 
 def measure(profile):
-    """A row for each number of directions."""
+    """The table, with a row for each number of directions."""
     field = path_sums.domes()
     light = np.array(path_sums.LIGHT)
     limit = light_transport.bounces(field, precompute(field, spiral(ALL)), light, 1)[-1]
@@ -63,7 +63,7 @@ def best(table):
 
 
 def findings(table):
-    """Where the best N is, and what happens beyond."""
+    """The best N, and what happens with more directions."""
     first, found, last = table.records()[0], best(table), table.records()[-1]
     buffer = last["in the accumulation buffer"]
     return (
@@ -79,7 +79,7 @@ def findings(table):
 
 
 def checks(table):
-    """Noise falls, rounding grows, and between is a best N."""
+    """Noise falls, rounding grows, and between them there is a best N."""
     rows = table.records()
     noise, both = (np.array(table.column(name)) for name in ("noise", "both"))
     yield DATA.check(
@@ -106,7 +106,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Noise, rounding and both, by N."""
+    """Noise, rounding and both together, by N."""
     (ax,) = axes
     number = table.column("N")
     for name, color, marker in (

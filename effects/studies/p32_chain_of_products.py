@@ -1,4 +1,4 @@
-"""P32: products made pass by pass in the framebuffer, which rounds each.
+"""P32: products made pass by pass in the framebuffer, which rounds each of them.
 
 Source: Heidrich 2001 and Kautz, Seidel 2000, section 3.1: factors multiplied by blending (H03, K03; artefact
 P32 of the catalogue).
@@ -28,11 +28,11 @@ _STEP = 0.0011
 
 
 def errors(least, profile, *, exact=True):
-    """RMS of the framebuffer against the products of 1 to PRODUCTS + 1 factors: float64 [PRODUCTS + 1].
+    """RMS error of the framebuffer for the products of 1 to PRODUCTS + 1 factors: float64 [PRODUCTS + 1].
 
-    Each pass multiplies by random factors from ``least`` to 1: bytes / 255, or whatever the machine holds
-    exactly, or if not ``exact`` real numbers that the vertex colours round. The first pass writes its factor
-    unchanged, so that a chain of n + 1 passes makes n products.
+    Each pass multiplies by random factors from ``least`` to 1. With ``exact`` the machine holds them exactly,
+    such as bytes / 255; otherwise they are real numbers, which the vertex colours round. The first pass
+    writes its factor unchanged, so a chain of n + 1 passes makes n products.
     """
     one = 2 ** profile.framebuffers.color_bits[0] - 1
     random = np.random.Generator(np.random.PCG64(32))
@@ -52,7 +52,7 @@ def errors(least, profile, *, exact=True):
 
 
 def measure(profile):
-    """A row for each number of products in the chain."""
+    """The table, with a row for each number of products in the chain."""
     found = {
         "bytes .9 to 1": errors(0.9, profile),
         "bytes 0 to 1": errors(0.0, profile),
@@ -71,7 +71,7 @@ def measure(profile):
 
 
 def findings(table):
-    """How the roundings add up."""
+    """The growth of the error with the number of roundings."""
     rows = table.records()
     one, four, last = rows[1], rows[4], rows[-1]
     return (
@@ -86,7 +86,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's law, a rounding for each product."""
+    """The catalogue's law, with one rounding for each product."""
     rows = table.records()
     for n in range(1, 5):
         yield DATA.check(

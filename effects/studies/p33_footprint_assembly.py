@@ -1,8 +1,9 @@
-"""P33: the cost of footprint assembly's direction and of its power of two of probes, as a footprint turns.
+"""P33: the errors of footprint assembly, from its direction and its power of two of probes, as a footprint
+turns.
 
-A footprint turns under a pixel's square. In widths of its short side, its sides are a and one. Its true long
-axis is known, so the direction of probes can be compared with it. The effect of probes on a wave is known
-too. A probe is a square of its edge, N of them lie along d, and a wave's contrast is the product of both
+A footprint turns under a pixel's square. In units of its short side, its sides are a and one. Its true long
+axis is known, so the study compares the direction of probes with it. The effect of probes on a wave is also
+known. A probe is a square of its edge, and N of them lie along d. A wave's contrast is the product of both
 transforms. A wave across the short side should stay. A wave along the long side, of the footprint's length,
 should vanish.
 
@@ -31,8 +32,8 @@ WAYS = ("exact", "power of two", "by edges", "mip-mapping")
 
 
 def footprints(side):
-    """Edges r_1 and r_2 of a footprint that turns from 0 to 90 degrees, its long axis along u: float64
-    [STEPS, 2] each; and the angles, degrees.
+    """Edges r_1 and r_2 of a footprint that turns from 0 to 90 degrees, with its long axis along u: float64
+    [STEPS, 2] each; and the angles in degrees.
     """
     angles = np.linspace(0.0, 90.0, STEPS)
     c, s = np.cos(np.radians(angles)), np.sin(np.radians(angles))
@@ -40,8 +41,8 @@ def footprints(side):
 
 
 def contrast(found, wave):
-    """The contrast that probes leave of a wave of cycles (u, v) a texel: float64 [...], negative where it is
-    turned over.
+    """The contrast of a wave of (u, v) cycles for each texel after the filter by probes: float64 [...],
+    negative if the wave is inverted.
     """
     total = np.zeros(found.count.shape)
     for k in range(int(found.count.max())):
@@ -52,14 +53,14 @@ def contrast(found, wave):
 
 
 def taken(way, first, second):
-    """The Probes of one of WAYS."""
+    """The Probes by one of WAYS."""
     if way == "mip-mapping":
         return isotropic(first, second)
     return probes(first, second, MOST, exact=way == "exact", diagonals=way != "by edges")
 
 
 def measure(profile):
-    """A row for each shape and way."""
+    """The table, with a row for each shape and way."""
     rows, curves = [], {}
     for side in SIDES:
         first, second, angles = footprints(side)
@@ -96,7 +97,7 @@ def _row(table, side, way):
 
 
 def findings(table):
-    """The direction's error, the band of blur, and the cost of a power of two."""
+    """The error of the direction, the band of blur, and the cost of a power of two."""
     eight = {way: _row(table, 8.0, way) for way in WAYS}
     off = ", ".join(
         f"{_row(table, side, 'exact')['off, at most']:.1f} degrees at {side:g} : 1" for side in SIDES
@@ -123,7 +124,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's number, and what separates the ways."""
+    """The catalogue's number, and the differences between the ways."""
     # The worst place is at 45 degrees, where the longer edge is (a, 1) / sqrt(2).
     worst = max(
         abs(_row(table, side, "exact")["off, at most"] - math.degrees(math.atan(1.0 / side)))
@@ -145,7 +146,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Contrast as the footprint turns, and probes."""
+    """The contrast and the number of probes as the footprint turns."""
     turning, counts = axes
     for way, color in zip(WAYS, (GREEN, BLUE, ORANGE, "0.5"), strict=True):
         turning.plot(table.curves["angles"], table.curves[f"8 {way}"], color=color, label=way)

@@ -1,8 +1,8 @@
 """P34: how much of the sphere the texels of a parabolic map cover, from the middle of a disc to its edge.
 
-At the angle a from the axis, a direction lies at the radius tan(a/2). So a step ds in the disc is an angle of
-2 ds/(1 + tan^2(a/2)): 2 ds in the middle and ds at the edge. Texels of the middle cover four times the solid
-angle, and lose stripes that the edge resolves.
+A direction at the angle a from the axis has the radius tan(a/2). So a step ds in the disc is an angle of
+2 ds/(1 + tan^2(a/2)): 2 ds in the middle and ds at the edge. Texels in the middle cover four times the solid
+angle of those at the edge. They lose stripes that the edge resolves.
 
 Source: Heidrich 2001, section 1.3; Heidrich, Seidel 1998 (H21; artefact P34 of the catalogue).
 """
@@ -38,7 +38,9 @@ RANGES = ((2.0, 14.0), (20.0, 32.0), (38.0, 50.0), (56.0, 68.0), (76.0, 88.0))
 
 
 def _swept(texels, sampler, profile):
-    """What a machine finds in the first disc from the axis to its edge: float64 [1024, 3], 1.0 = full."""
+    """The values that a machine reads from the first disc, from the axis to the edge: float64 [1024, 3], with
+    1.0 = full.
+    """
     surface = plane(columns=_PIXELS // 4)
     angle = math.radians(90.0) * surface.texture_coordinates[:, 0]
     toward = np.stack([sine(angle), 0.0 * angle, -cosine(angle)], axis=-1)
@@ -58,7 +60,7 @@ def _stripes(angle, phase=0):
 
 
 def measure(profile):
-    """A row for each range of angles."""
+    """The table, with a row for each range of angles."""
     # Each column of texels has a colour of its own, 4 i of 255.
     columns = np.broadcast_to((4.0 * np.arange(TEXELS) / 255.0)[None, :, None], (TEXELS, TEXELS, 3))
     column = np.floor(_swept(columns, NEAREST, profile)[:, 0] * 255.0 / 4.0 + 0.5)
@@ -94,7 +96,7 @@ def measure(profile):
 
 
 def findings(table):
-    """Texels of the middle and of the edge, and what stripes become."""
+    """The texels in the middle and at the edge, and their effect on stripes."""
     first, last = table.records()[0], table.records()[-1]
     ratio = first["texel, machine"] / last["texel, machine"]
     return (

@@ -1,4 +1,4 @@
-"""P35: points as far from the light as a shadow map's farthest depth, compared with or without equality.
+"""P35: points at a shadow map's farthest depth, compared with or without equality.
 
 Source: artefact P35 of the catalogue, of document 003's two-pass algorithm (Z10).
 """
@@ -35,10 +35,10 @@ def _lamp(infinite):
 
 
 def lit(profile, infinite, depth, function, cast):
-    """The lit part of a square across the light at a depth, [0, 1].
+    """The lit part of a square perpendicular to the light at a depth, [0, 1].
 
     ``cast``: the PolygonOffset (factor, units) with which the square is also drawn into the map; None: the
-    map only holds its clear value.
+    map only has its clear value.
     """
     lamp = _lamp(infinite)
     z = -(_NEAR + depth * (_FAR - _NEAR))
@@ -59,7 +59,7 @@ def lit(profile, infinite, depth, function, cast):
 
 
 def measure(profile):
-    """A row for each light, place and function that the machine has."""
+    """The table, with a row for each light, place and function that the machine has."""
     rows = []
     for light, infinite in LIGHTS:
         for place, depth in PLACES:
@@ -86,7 +86,7 @@ def _of(table, **wanted):
 
 
 def findings(table):
-    """What equality is worth at the farthest depth."""
+    """The effect of equality at the farthest depth."""
     less = [r for r in _of(table, function="LESS") if r["square"] != "within"]
     equal = [r for r in _of(table, function="LEQUAL") if r["square"] != "within"]
     lost = {r["light"]: r for r in less if r["square"] == "at the far plane"}
@@ -107,7 +107,7 @@ def findings(table):
 
 
 def checks(table):
-    """Unlit far pixels by one function and lit ones by the other."""
+    """Far pixels are unlit with one function, and lit with the other."""
     for row in table.records():
         name = f"{row['light']} light, {row['square']}, {row['function']}: lit under an empty map, %"
         if row["square"] == "within" or row["function"] == "LEQUAL":

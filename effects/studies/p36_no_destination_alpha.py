@@ -1,11 +1,11 @@
 """P36: windows without destination alpha.
 
-H36 draws depths into the window's alpha, and H38 compares them there. A surface without alpha stores none: a
-read of it gives whatever takes its place. The study draws the same passes there nevertheless, to show why
-they are refused. H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
+H36 draws depths into the window's alpha, and H38 compares them there. A surface without alpha stores none; a
+read returns some other value. The study draws the same passes there nevertheless, to show why they are
+refused. H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
 
-Five bits stand at the top of a byte with zeros below (``framebuffers.framebuffer``). Where nothing is drawn
-the map has ones, which are read as 248 of 255. Farther points lie behind everything that the map can hold. So
+Five bits are at the top of a byte, with zeros below (``framebuffers.framebuffer``). Where nothing is drawn,
+the map has ones, which are read as 248 of 255. Farther points are behind everything that the map can hold. So
 the table separates the pixels at this depth.
 
 Source: Heidrich 2001, section 2.1 (artefact P36 of the catalogue).
@@ -41,10 +41,10 @@ _BIAS = {8: 2.0, 5: 1.0}
 
 
 def lit_and_map(profile, color_format, way, *, component=alpha.DepthComponent.ALPHA, bits=8, alpha_bits=8):
-    """The pixels of the still life that the machine lights on a surface of a format, bool [128, 128], bottom
-    row first; and the map's largest number, 1 = the lamp's far plane.
+    """(pixels of the still life that the machine lights on a surface of a format, bool [128, 128], bottom row
+    first; the map's largest number, 1 = the lamp's far plane).
 
-    Raises ValueError as ``alpha_coded_shadows`` does for what needs alpha where ``alpha_bits`` is 0.
+    Raises ValueError as ``alpha_coded_shadows`` does, if a way needs alpha and ``alpha_bits`` is 0.
     """
     scene, view, lamp = _scene()
     panel, coding = view.panel, alpha.Coding(bits, bias=_BIAS[bits], component=component)
@@ -67,19 +67,19 @@ def lit_and_map(profile, color_format, way, *, component=alpha.DepthComponent.AL
 
 
 def lit(profile, color_format, way, **settings):
-    """What ``lit_and_map`` says is lit."""
+    """The lit pixels of ``lit_and_map``."""
     return lit_and_map(profile, color_format, way, **settings)[0]
 
 
 def _scene():
-    """The still life, the view of it and its lamp."""
+    """The still life, its view and its lamp."""
     scene = still_life(24)
     return scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), lamp_around(scene, _LAMP)
 
 
 def depths():
-    """How far from the lamp what each pixel shows is, by rays, 1 = the far plane: float64 [128, 128], bottom
-    row first.
+    """The distance from the lamp to the point that each pixel shows, by rays, 1 = the far plane: float64
+    [128, 128], bottom row first.
     """
     scene, view, lamp = _scene()
     plane = np.array(lamp.depth_plane)
@@ -96,7 +96,7 @@ def refused(profile, color_format, alpha_bits):
 
 
 def measure(profile):
-    """A row for each format."""
+    """The table, with a row for each format."""
     whole, depth = lit(profile, ColorFormat.A8R8G8B8, alpha.with_combiners), depths()
     rows = []
     for name, color_format, alpha_bits, red_bits in FORMATS:
@@ -136,7 +136,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What the machine refuses, what it would otherwise draw, and what still runs."""
+    """Which ways the machine refuses, what it would draw with them, and which ways still run."""
     row = {r["colours"]: r for r in table.records()}
     without = [r for r in table.records() if not r["bits of alpha"]]
     zeros, ones, short = row["X8R8G8B8, zeros"], row["X8R8G8B8, ones"], row["R5G6B5"]
@@ -158,7 +158,7 @@ def findings(table):
 
 
 def checks(table):
-    """What must be refused and what must run."""
+    """Which ways must be refused, and which must run."""
     for r in table.records():
         name = r["colours"]
         yield DATA.check(
@@ -215,7 +215,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The light that each way lets through, by format."""
+    """The share of lit pixels of each way, by format."""
     (axis,) = axes
     names, shown = table.column("colours"), (("H38", BLUE), ("H37", ORANGE), ("H37 by red", GREEN))
     for k, (name, color) in enumerate(shown):

@@ -1,4 +1,4 @@
-"""P37: vectors that the host computes for every frame, against lists that the board stores.
+"""P37: vectors that the host computes for every frame, compared with lists that the board stores.
 
 Source: Kautz, Seidel 2000, section 5.1 (artefact P37 of the catalogue).
 """
@@ -30,7 +30,7 @@ _WAYS = ("nothing moves", "all sent again", "colours sent again", "vertex progra
 
 def frame(profile, slices, stacks):
     """The bytes of F004-4's frame if the light moves (``traffic.counted``), and its "triangles", "vectors"
-    (that the CPU computes at vertices) and "geometry" (bytes of all vertex arrays).
+    (those that the CPU computes at vertices) and "geometry" (bytes of all vertex arrays).
     """
     figure = FIGURES["F004-4"]
     shape = {"slices": slices, "stacks": stacks}
@@ -60,7 +60,7 @@ def _ways(count):
 
 
 def measure(profile):
-    """A row for each way to keep the vectors up to date, at the paper's tessellation."""
+    """The table, with a row for each way to keep the vectors up to date, at the paper's tessellation."""
     counts = {shape: frame(profile, *shape) for shape in TESSELLATIONS}
     rows = tuple(
         (
@@ -87,7 +87,7 @@ def measure(profile):
 
 
 def findings(table):
-    """The traffic of each way."""
+    """How many bytes each way moves."""
     still, everything, colors, program = table.records()
     share = colors["each frame"] / everything["each frame"]
     triangles = int(table.curves["triangles"][TESSELLATIONS.index(PAPER)])
@@ -132,7 +132,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Bytes a frame by triangles."""
+    """Bytes in each frame by number of triangles."""
     (ax,) = axes
     triangles = table.curves["triangles"]
     for name, color, marker in (

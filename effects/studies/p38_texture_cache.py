@@ -1,9 +1,9 @@
 """P38: the effect of a texture cache on dependent lookups.
 
-The first case is Ward's model by pixel textures (K09) on the Octane. The material textures are read in the
-order of the pixels, and the table of E(m, d) wherever the bumps point. The second case, on the same bumps
-(G10), is light looked up at S_i, the texels that are visible along some directions. S_i and the normal map
-are read in order, L_d is not.
+The first case is Ward's model by pixel textures (K09) on the Octane. It reads the material textures in the
+order of the pixels, and the table of E(m, d) at places that depend on the bumps. The second case, on the same
+bumps (G10), looks up light at S_i, the texels that are visible along some directions. It reads S_i and the
+normal map in order, and L_d not in order.
 
 Source: Kautz, Seidel 2000, section 5.1 (memory stalls of dependent lookups; artefact P38 of the catalogue);
 Heidrich, Daubert, Kautz, Seidel 2000, section 3.3.
@@ -44,7 +44,7 @@ _DIRECTIONS = 48
 
 
 def misses(lines):
-    """How many of the accesses to these lines, in order, a cache that begins empty does not hold."""
+    """How many of the accesses to these lines, in order, miss a cache that is empty at first."""
     held, missed = OrderedDict(), 0
     for line in lines:
         if line in held:
@@ -58,8 +58,8 @@ def misses(lines):
 
 
 def lines_of(s, t, width, height, texel_bytes):
-    """The cache lines, int64 [4 n], that LINEAR reads at coordinates [n], four texels for each; coordinates
-    are clamped at the texture's edges.
+    """The cache lines, int64 [4 n], that LINEAR reads at coordinates [n], with four texels for each.
+    Coordinates are clamped at the texture's edges.
     """
     across, up = _BLOCKS[texel_bytes]
     x, y = np.floor(s * width - 0.5).astype(np.int64), np.floor(t * height - 0.5).astype(np.int64)
@@ -71,7 +71,7 @@ def lines_of(s, t, width, height, texel_bytes):
 
 
 def nearest_lines(column, row, width, texel_bytes):
-    """The cache lines, int64 [n], that NEAREST reads at texels, one for each."""
+    """The cache lines, int64 [n], that NEAREST reads at texels, one line for each."""
     across, up = _BLOCKS[texel_bytes]
     return ((row // up) * -(-width // across) + column // across).ravel()
 
@@ -79,7 +79,7 @@ def nearest_lines(column, row, width, texel_bytes):
 def light_at_seen(field):
     """Misses of L_d at S_i in percent: of all lookups, and of those that see something.
 
-    It is the mean of all directions along which any lookup sees something. A lookup that sees nothing reads
+    It is the mean over all directions in which some lookup sees something. A lookup that sees nothing reads
     the last texel.
     """
     width, height = (looked_up_size(edge) for edge in (field.columns, field.rows))
@@ -105,12 +105,14 @@ def miss_rate(lines):
 
 
 def bumps(depth):
-    """Heights of pebbles of this depth, in edges of their square."""
+    """Heights of pebbles of this depth. The unit is the edge of their square."""
     return height_fields.smooth(height_fields.pebbles(_SIZE, _SIZE, _CELLS, 5), 2) * depth
 
 
 def frame(depth, profile):
-    """Ward's commands on a square of pebbles of this depth, as many pixels as texels, and its slopes."""
+    """The commands of Ward's model on a square of pebbles of this depth, a pixel for each texel; and its
+    slopes.
+    """
     heights = bumps(depth)
     slopes = height_fields.slopes(heights)
     material = material_textures.from_slopes(*slopes, 0.2, 0.5)
@@ -124,7 +126,7 @@ def frame(depth, profile):
 
 def lookups(commands, profile):
     """The lookups of a frame's pixel textures, by table: coordinates s and t of every pixel, bottom row
-    first, as the framebuffer held them before the copy, and the table's width and height.
+    first, which the framebuffer held before the copy; and the table's width and height.
     """
     result = execute(commands, profile, _SIZE, _SIZE, trace=True)
     tables = {c.texture: c.image for c in commands if isinstance(c, TexImage) and c.image is not None}
@@ -143,7 +145,7 @@ def _product(groups, row):
 
 
 def measure(profile):
-    """A row for each depth of the bumps."""
+    """The table, with a row for each depth of the bumps."""
     at = height_fields.texel_centers(_SIZE, _SIZE)
     material = miss_rate(lines_of(*(a.ravel() for a in at), _SIZE, _SIZE, 4))
     rows = []
@@ -183,7 +185,7 @@ def measure(profile):
 
 
 def findings(table):
-    """The rates of the smooth and the roughest surface."""
+    """The miss rates of the smooth and of the roughest surface."""
     rows = {r["depth"]: r for r in table.records()}
     smooth, rough, steepest = rows[0.0], rows[STEEP], rows[DEPTHS[-1]]
     return (
@@ -203,7 +205,7 @@ def findings(table):
 
 
 def checks(table):
-    """That the rate grows with roughness and exceeds the material's."""
+    """The rate grows with roughness, and is larger than that of the material textures."""
     rates = [r["E(m, d)"] for r in table.records() if r["depth"] <= STEEP]
     (material,) = set(table.column("material textures"))
     grows = min(b - a for a, b in pairwise(rates))
@@ -245,7 +247,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The rates by slope, and where in the table the lookups go."""
+    """The rates by slope, and the places of the lookups in the table."""
     rates, places = axes
     slope = table.column("slope, RMS")
     for name, color, marker in (

@@ -1,4 +1,4 @@
-"""P39: the bytes that the Octane moves for a model that a GeForce 256 draws in one pass, or not at all.
+"""P39: the bytes that the Octane moves for a model that a GeForce 256 draws in one pass, or cannot draw.
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P39 of the catalogue).
 """
@@ -51,7 +51,7 @@ def _imaging_subset(material, light):
 
 
 def _through_the_host(material, light):
-    """K05 on the GeForce 256: the host looks up what it reads back."""
+    """K05 on the GeForce 256: the host reads pixels back and looks up their values."""
     loading, names = material_textures.load(material, "pebbles", GEFORCE_256)
     passes = blinn_phong_by_host.blinn_phong(surfaces.plane(), names, _VIEW, light, GEFORCE_256)
     return (*loading[1:], *passes)
@@ -75,7 +75,7 @@ EFFECTS = {
 
 
 def measure(_):
-    """A row for each effect."""
+    """The table, with a row for each effect."""
     material, rows = _material(), []
     for name, commands in EFFECTS.items():
         count = counted(*(commands(material, light) for light in _LIGHTS))
@@ -109,7 +109,7 @@ def measure(_):
 
 
 def findings(table):
-    """What a frame moves."""
+    """The bytes that a frame moves."""
     rows = {r["effect"]: r for r in table.records()}
     one, matrix, ward = rows["K07 GeForce 256"], rows["K08 Octane"], rows["K09 Octane"]
     return (
@@ -124,7 +124,7 @@ def findings(table):
 
 
 def checks(table):
-    """The order of the three routes, and that the moved bytes limit them."""
+    """The order of the three ways, and that the moved bytes limit them."""
     rows = {r["effect"]: r for r in table.records()}
     one, matrix, ward = (rows[name]["all"] for name in ("K07 GeForce 256", "K08 Octane", "K09 Octane"))
     return (
@@ -146,7 +146,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Bars of the bytes that come from the host and of those that are copied."""
+    """Bars of the bytes that come from the host, and of the bytes that are copied."""
     (ax,) = axes
     names, at = table.column("effect"), np.arange(len(table.rows))
     below = np.zeros(len(at))

@@ -1,7 +1,7 @@
-"""P40: how many passes a model takes, by the numbers of a board's texture units and general combiners.
+"""P40: how many passes a model needs, by the numbers of a board's texture units and general combiners.
 
-Every effect is built in every way, for the machine with changed numbers of units and combiners.
-``fixedpipe.pipeline.validation`` decides whether that machine can run it; the fewest passes count.
+The study builds every effect in every way, for a machine with changed numbers of units and combiners.
+``fixedpipe.pipeline.validation`` decides whether this machine can run it. The fewest passes count.
 
 Source: Kautz, Seidel 2000, section 5 (artefact P40 of the catalogue).
 """
@@ -144,7 +144,7 @@ EFFECTS = {
 
 
 def fewest_passes(ways, profile):
-    """The fewest Draws of the ways that fit the machine; None if none fits."""
+    """The fewest Draws of the ways that the machine can run; None if it can run none."""
     found = []
     for way in ways:
         commands = way(profile)
@@ -157,14 +157,14 @@ def fewest_passes(ways, profile):
 
 
 def measure(profile):
-    """A row for each effect, a column for each board."""
+    """The table, with a row for each effect, a column for each board."""
     boards = [profile.changed(max_texture_units=u, max_general_combiners=c) for u, c in BOARDS]
     rows = tuple((name, *(fewest_passes(ways, board) for board in boards)) for name, ways in EFFECTS.items())
     return Table((Column("effect"), *(Column(f"{u}/{c}", form="d") for u, c in BOARDS)), rows)
 
 
 def findings(table):
-    """The passes of a GeForce 256 and a GeForce 3, by numbers of units and combiners alone."""
+    """The passes of a GeForce 256 and a GeForce 3, only by the numbers of units and combiners."""
     rows = {r["effect"]: r for r in table.records()}
     small, large = [[r[board] for r in rows.values()] for board in ("2/2", "4/8")]
     eq_1, banks_ = rows["K07 Eq. 1"], rows["K04 Banks, R*"]
@@ -188,12 +188,12 @@ def _range(passes):
 
 
 def _number(passes):
-    """For a check: what does not fit passes none."""
+    """The number of passes for a check. NaN, for an effect that the machine cannot run, passes no check."""
     return float("nan") if passes is None else float(passes)
 
 
 def checks(table):
-    """The paper's passes, and that more of either never takes more passes."""
+    """The paper's passes, and that more units or combiners never need more passes."""
     rows = {r["effect"]: r for r in table.records()}
     worse = 0
     for row in rows.values():

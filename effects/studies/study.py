@@ -1,4 +1,4 @@
-"""A study as data: an artefact of the hardware, how it is measured on the emulator, and what comes out."""
+"""A study as data: an artefact of the hardware, how it is measured on the emulator, and the results."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Mapping
@@ -18,24 +18,24 @@ Value: TypeAlias = float | int | str | None
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: its heading, its unit ("" for a pure number) and how its values are written."""
+    """A column of a table: its heading, its unit ("" for a pure number) and the format of its values."""
 
     name: str
     unit: str = ""
     form: str = ""
 
     def written(self, value: Value) -> str:
-        """A value in words; None, for a value that a row lacks, as a dash."""
+        """A value as text. None, for a value that a row lacks, becomes a dash."""
         return "-" if value is None else format(value, self.form)
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """What a study measured: rows of numbers and words under headings.
+    """The results of a study: rows of numbers and words under headings.
 
     columns   Column, in order
-    rows      tuples as long as ``columns``: numbers, words, or None where a row has no such value
-    curves    data of the plot that the rows lack: float64 arrays by name
+    rows      tuples as long as ``columns``: numbers, words, or None if a row has no such value
+    curves    data for the plot that are not in the rows: float64 arrays by name
     """
 
     columns: tuple[Column, ...]
@@ -53,7 +53,7 @@ class Table:
         return [dict(zip(names, row, strict=True)) for row in self.rows]
 
     def text(self) -> str:
-        """The table as lines of plain text: headings over their units, numbers to the right."""
+        """The table as lines of plain text: headings above their units, numbers aligned to the right."""
         cells = [[c.written(v) for c, v in zip(self.columns, row, strict=True)] for row in self.rows]
         out = []
         for k, column in enumerate(self.columns):
@@ -79,17 +79,17 @@ class Table:
 class Study:
     """An artefact of the hardware and how it is measured.
 
-    id          the catalogue's: P<number>
-    title       what it is, in a few words
-    question    what the study asks, one sentence
+    id          the catalogue's id: P<number>
+    title       the artefact in a few words
+    question    the study's question, one sentence
     method      how the answer is measured
     source      key in docs/bibliography.bib
-    techniques  the catalogue's ids of the techniques used
-    machines    keys of ``fixedpipe.pipeline.profiles.PROFILES`` on which it may be measured, its own first;
-                empty: the study compares machines, or needs none
-    measure     (profile) -> Table; the profile of one of ``machines``, None where there are none
+    techniques  the catalogue's ids of the techniques that are used
+    machines    keys of ``fixedpipe.pipeline.profiles.PROFILES`` of machines that it can be measured on, its
+                own first; empty: the study compares machines, or needs none
+    measure     (profile) -> Table; the profile of one of ``machines``, or None if there are none
     findings    (Table) -> tuple of sentences that state the findings with the table's numbers
-    checks      (Table) -> Checks, in a tuple or one after the other: the catalogue's numbers; of the study's
+    checks      (Table) -> Checks, in a tuple or one after the other: the catalogue's numbers for the study's
                 own machine
     plot        (axes, Table) -> None: draws on ``panels`` matplotlib axes
     """

@@ -1,4 +1,4 @@
-"""Arrays as the bytes of a task's files: their type, shape and numbers, and no code."""
+"""Arrays as the bytes of a task's files: they hold the type, shape and numbers, and no code."""
 
 import io
 import zlib
@@ -15,5 +15,5 @@ def packed(array: NDArray) -> bytes:
 
 
 def unpacked(data: bytes) -> NDArray:
-    """The array of which ``packed`` made ``data``. Raises ValueError and zlib.error for other bytes."""
+    """The array that ``packed`` made into ``data``. Raises ValueError or zlib.error for other bytes."""
     return np.load(io.BytesIO(zlib.decompress(data)), allow_pickle=False)

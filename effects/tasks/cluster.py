@@ -1,7 +1,7 @@
-"""A cluster of Dask as its client sees it: how many workers it has, and whether it is still there.
+"""A cluster of Dask as its client sees it: how many workers it has, and whether it still answers.
 
-A host that vanishes sends no word. Where its connections stay open, as those of a process that is stopped,
-only a time says that it is gone.
+A host that fails sends no message. Its connections may stay open, as those of a stopped process do. Then the
+client knows only by a time limit that the host is lost.
 """
 
 import time
@@ -9,8 +9,8 @@ from contextlib import suppress
 
 from fixedpipe.effects.refusal import Refusal
 
-_SECONDS_BETWEEN_COUNTS = 2.0  # of a cluster's workers, which come and go
-# A scheduler that does not answer for so long is lost, and so is a cluster without workers.
+_SECONDS_BETWEEN_COUNTS = 2.0  # of a cluster's workers, whose number changes
+# A scheduler that does not answer for so long is lost. So is a cluster that has no workers for so long.
 # Source: Dask's own time for a worker, distributed.scheduler.worker-ttl, of its distributed.yaml.
 SECONDS_UNTIL_LOST = 300.0
 _SECONDS_TO_CLOSE = 5.0
@@ -18,14 +18,13 @@ _GO_ON = "What was finished is kept; give the same command to go on from there."
 
 
 class Cluster:
-    """Called, it says how many threads the workers have; a few seconds old.
+    """A callable that returns how many threads the workers have. The number may be a few seconds old.
 
-    client             of Dask
-    among              the addresses of the workers that count; None: all
-    waits_for_workers  whether to wait for ever where there is none
+    client             the client of Dask
+    among              the addresses of the workers to count; None: all
+    waits_for_workers  whether to wait for ever if there is no worker
 
-    Raises Refusal where the scheduler does not answer for SECONDS_UNTIL_LOST, and where it has had no worker
-    for as long.
+    Raises Refusal if the scheduler does not answer for SECONDS_UNTIL_LOST, or has had no worker for as long.
     """
 
     def __init__(self, client, among=None, *, waits_for_workers=True):
@@ -50,8 +49,8 @@ class Cluster:
         return self._counted
 
     def known(self):
-        """What the scheduler knows of its workers, by address. Where the connection has just been lost, what
-        it knew before: Dask's client then ends its calls.
+        """The scheduler's information about its workers, by address. If the connection has just been lost, it
+        is the earlier information, because Dask's client then ends its calls.
         """
         try:
             self._known = self._client.sync(self._ask, callback_timeout=SECONDS_UNTIL_LOST)
@@ -73,6 +72,6 @@ class Cluster:
 
 
 def closed(client):
-    """Close Dask's client, though its scheduler may not answer any more."""
+    """Close Dask's client, even if its scheduler does not answer any more."""
     with suppress(TimeoutError, OSError):
         client.close(timeout=_SECONDS_TO_CLOSE)

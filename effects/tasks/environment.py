@@ -1,4 +1,4 @@
-"""Whether a worker would compute the client's bits: versions, sources, and the self-test."""
+"""Checks whether a worker computes the client's bits: versions, sources, and the self-test."""
 
 import hashlib
 import os
@@ -23,8 +23,8 @@ class UnfitWorker(Refusal):
 
 @cache
 def environment():
-    """What results depend on in this process, by name: versions of Python and of packages, and a digest of
-    the sources of fixedpipe. A dict of str.
+    """A dict of str, by name: the versions of Python and of packages in this process, and a digest of the
+    sources of fixedpipe. Results may depend on each of these.
     """
     found = {"Python": ".".join(platform.python_version_tuple()[:2])}
     for name in _PACKAGES:
@@ -40,8 +40,8 @@ def environment():
 
 
 def whole_inputs(*more):
-    """The ``Task.inputs`` of work that may import anything of fixedpipe: the environment, and ``more`` that
-    JSON can hold.
+    """The ``Task.inputs`` of work that may import any module of fixedpipe: the environment, and ``more``,
+    values that JSON can hold.
     """
     return canonical([environment(), *more]).decode()
 
@@ -50,7 +50,7 @@ _LONGEST_NAME = 4096  # bytes. Source: PATH_MAX of Linux, limits.h
 
 
 def file_digests(texts):
-    """The digests of those texts that name files, whose content a result depends on. Raises OSError."""
+    """The digests of the files that some of the texts name. Results depend on them. Raises OSError."""
     return [file_digest(text) for text in texts if len(text) < _LONGEST_NAME and Path(text).is_file()]
 
 
@@ -60,7 +60,7 @@ def file_digest(path):
 
 
 def name_of_worker():
-    """What errors and rows call this process: "HOST:PROCESS"."""
+    """The name of this process in errors and rows: "HOST:PROCESS"."""
     return f"{socket.gethostname()}:{os.getpid()}"
 
 

@@ -1,4 +1,4 @@
-"""The executors that a command line names, each with workers that are checked before they compute."""
+"""The executors that a command line names. Their workers are checked before they compute."""
 
 import logging
 import re
@@ -15,9 +15,9 @@ from fixedpipe.effects.tasks.run import SECONDS_BETWEEN_LOOKS
 from fixedpipe.effects.tasks.worker import at_worker, process, unfit
 from fixedpipe.pipeline.native.threads import default_threads
 
-# What may be named, in words.
+# What a command line may name, in words.
 WRITTEN = "processes[:N], dask:local[:N], dask:tcp://HOST:PORT, dask:FILE.json, mpi or loky[:N]"
-# Assumed: more processes than these on one computer are a slip of the keyboard.
+# Assumed: a larger number of processes on one computer is a typing error.
 _MOST_PROCESSES = 1024
 _SECONDS_TO_ANSWER = 15  # of a scheduler, and of its first worker's arrival
 
@@ -26,8 +26,8 @@ class Workers(Executor):
     """An executor whose workers are prepared and checked before their first call (``worker.at_worker``).
 
     inner    the executor
-    workers  says how many workers it has now
-    threads  that each call may use
+    workers  a function that returns how many workers it has now
+    threads  how many threads each call may use
     """
 
     def __init__(self, inner: Executor, workers: Callable[[], int], threads: int = 1):
@@ -41,15 +41,15 @@ class Workers(Executor):
 
     def shutdown(self, wait=True, *, cancel_futures=False):
         """As ``Executor.shutdown``."""
-        # Dask's executor knows no ``cancel_futures``.
+        # Dask's executor does not take ``cancel_futures``.
         self.inner.shutdown(wait=wait, **({"cancel_futures": True} if cancel_futures else {}))
 
 
 def of_user(executor: Executor, workers: int | None = None) -> Workers:
     """A user's own executor with checked workers.
 
-    workers  how many they are; None: the threads of Dask's cluster; what the executor calls ``_max_workers``,
-             as those of Python's library, loky and mpi4py do; or one for each processor
+    workers  how many workers it has; None: the threads of Dask's cluster; or ``_max_workers``, an attribute
+             of the executors of Python's library, loky and mpi4py; or one for each processor
     """
     if isinstance(executor, Workers):
         return executor
@@ -63,12 +63,12 @@ def of_user(executor: Executor, workers: int | None = None) -> Workers:
 
 @contextmanager
 def opened(text: str | None, threads: int | None = None, say=print) -> Iterator[Workers | None]:
-    """The executor that ``text`` names, while the block runs; None where ``text`` is None.
+    """The executor that ``text`` names, while the block runs; None if ``text`` is None.
 
     text     one of WRITTEN
-    threads  that each call may use; None: as many as give each processor of this computer one in all, and
-             one with dask and mpi, whose workers are elsewhere
-    say      called with a sentence, as of a worker that is left out
+    threads  how many threads each call may use; None: as many as together give each processor of this
+             computer one. With mpi or a given scheduler of Dask, whose workers are elsewhere, it means one.
+    say      called with a sentence, for instance about a worker that is left out
 
     Raises Refusal for another text, for a library that is not installed, and for a scheduler that cannot be
     reached.
@@ -84,7 +84,7 @@ def opened(text: str | None, threads: int | None = None, say=print) -> Iterator[
 
 
 def _count(kind, text):
-    """The N of a kind's text, or None where it has none. Raises Refusal."""
+    """The N in the text of a kind of executor, or None if the text is empty. Raises Refusal."""
     if not text:
         return None
     if not (text.isdecimal() and 1 <= int(text) <= _MOST_PROCESSES):
@@ -95,7 +95,7 @@ def _count(kind, text):
 
 
 def _share(count, threads):
-    """Threads for each of ``count`` processes of this computer."""
+    """How many threads each of ``count`` processes of this computer has."""
     return threads or max(1, default_threads() // count)
 
 
@@ -129,7 +129,7 @@ def _mpi(held, text, threads, say):
     try:
         from mpi4py import MPI
         from mpi4py.futures import MPIPoolExecutor
-    except (ImportError, RuntimeError) as error:  # without an MPI library
+    except (ImportError, RuntimeError) as error:  # there is no MPI library
         raise _missing("mpi4py and an MPI library", "mpi") from error
     if text:
         raise Refusal(
@@ -151,10 +151,10 @@ def _dask(held, text, threads, say):
         import distributed
     except ImportError as error:
         raise _missing("distributed", "dask") from error
-    # A worker that ends is told of in a sentence of ours, where it matters.
+    # If the end of a worker matters, fixedpipe prints a sentence of its own about it.
     for name in ("distributed", "distributed.nanny", "distributed.scheduler", "distributed.core"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    # Workers that come or go while calls run are usual; each call is one that may be repeated.
+    # Workers often join or leave while calls run. Every call may be repeated.
     held.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": _LOST_WORKERS}))
     kind, _, rest = text.partition(":")
     if kind == "local":
@@ -165,7 +165,7 @@ def _dask(held, text, threads, say):
                 threads_per_worker=1,
                 processes=True,
                 dashboard_address=None,
-                # Its web server takes any free port: at the usual one another cluster may be.
+                # Its web server takes any free port, because another cluster may use the usual one.
                 scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             )
         )
@@ -198,23 +198,23 @@ def _dask(held, text, threads, say):
 
 
 def _of_dask(client, among, threads, *, waits_for_workers):
-    """A Dask client's Workers; ``among``: the addresses of those that may compute, None: all."""
-    # A call is not pure to Dask: one that was lost is sent again, and is not to be found as it ended.
+    """A Dask client's Workers. ``among``: the addresses of the workers that may compute; None: all."""
+    # With pure=False, Dask computes a lost call again when it is sent again, and reuses no earlier result.
     pool = client.get_executor(pure=False, **({} if among is None else {"workers": among}))
     return Workers(pool, Cluster(client, among, waits_for_workers=waits_for_workers), threads)
 
 
-_LOST_WORKERS = 3  # of one call, before dask gives it up
+_LOST_WORKERS = 3  # how many workers may end during one call before Dask gives up the call
 _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^/]+:\d{1,5}")
 
 
 def _fit(client, threads, say):
-    """The addresses of the workers that compute as this client does; None: all. The others are named, and
-    left out. Raises UnfitWorker where none is left.
+    """The addresses of the workers that compute as this client does; None: all. ``say`` gets a sentence about
+    each of the others, which are left out. Raises UnfitWorker if no worker is left.
     """
     cluster = Cluster(client)
     there = cluster.known()
-    # In a thread of each, since kernels may have to be compiled there, while it answers the scheduler.
+    # The check runs in a thread of each worker. It may compile kernels there, and the worker still answers.
     asked = {
         address: client.submit(unfit, environment(), threads, workers=[address], pure=False)
         for address in there
@@ -231,11 +231,11 @@ def _said(cluster, address, call):
     while True:
         try:
             error = call.exception(timeout=SECONDS_BETWEEN_LOOKS)
-        except TimeoutError:  # it compiles, or it has ended, and the call waits for it for ever
+        except TimeoutError:  # the worker compiles, or it has ended and the call would wait for ever
             if address not in cluster.known():
                 call.cancel()
-                return ""  # another may take its place
-        else:  # the error of a worker that has no fixedpipe, or another Python
+                return ""  # another worker may replace it
+        else:  # an error means that the worker has no fixedpipe, or another Python
             return call.result() if error is None else f"{type(error).__name__}: {error}"
 
 

@@ -1,7 +1,7 @@
 """The results of finished tasks in a file, by the tasks' digests, so that work goes on where it stopped.
 
-The file is an SQLite database. What was committed stays, whatever ends the process, and what was half written
-is rolled back when the file is opened again. Results are committed together, once a second.
+The file is an SQLite database. Committed tasks stay however the process ends, and half-written ones are
+rolled back when the file is opened again. Results are committed together, once a second.
 """
 
 import json
@@ -15,7 +15,7 @@ from fixedpipe.effects.tasks.environment import name_of_worker
 from fixedpipe.effects.tasks.task import Outcome
 
 _FORMAT = "fixedpipe tasks, 1"
-# Assumed: who ends a client with kill -9 can spare what its workers did in a second.
+# Assumed: if a user ends the client with kill -9, the loss of a second's work is acceptable.
 _SECONDS_BETWEEN_COMMITS = 1.0
 _TABLES = """
 CREATE TABLE IF NOT EXISTS about (name TEXT PRIMARY KEY, said TEXT NOT NULL);
@@ -32,9 +32,9 @@ CREATE TABLE IF NOT EXISTS contents (
 class Manifest:
     """Finished tasks: their Outcomes by digest.
 
-    path        of the file, made if it is missing; None: kept in memory alone
-    about       what work it is of, in words; the file of other work is refused
-    with_files  whether it holds the bytes of the tasks' files too; without, their names alone
+    path        of the file, which is made if it is missing; None: only in memory
+    about       a description of the work; a file with another description is refused
+    with_files  whether it also stores the bytes of the tasks' files; otherwise only their names
 
     One client at a time has the file open. Raises Refusal for a file that another client has open, that
     cannot be read or written, that is damaged or something else, or that is of other work.
@@ -45,18 +45,18 @@ class Manifest:
         try:
             self._file = sqlite3.connect(":memory:" if path is None else path, timeout=0)
             self._file.execute("PRAGMA locking_mode = EXCLUSIVE")
-            self._file.execute("BEGIN EXCLUSIVE")  # in this mode the lock stays until the end
+            self._file.execute("BEGIN EXCLUSIVE")  # in this mode the lock stays until the file is closed
             self._begin(about)
         except sqlite3.Error as error:
             raise self._refusal(error) from error
         self._committed = time.monotonic()
         if self.path is not None:
-            with suppress(OSError):  # it is only for a sentence
+            with suppress(OSError):  # the file is needed only for an error message
                 self._client.write_text(name_of_worker())
 
     @property
     def _client(self):
-        """The file that names the client which has this one open."""
+        """The path of the file that names the client which has the manifest open."""
         return self.path.with_name(f"{self.path.name}.client")
 
     def _begin(self, about):
@@ -87,8 +87,8 @@ class Manifest:
         return Refusal(f"{self.path} cannot be written: {said}. What was done before is kept in it.")
 
     def find(self, digest):
-        """The Outcome of a finished task, its files by name, without their bytes where the manifest does not
-        hold them; None: it is not done.
+        """The Outcome of a finished task, or None if it is not finished. If the manifest does not store the
+        bytes of files, its files have names and no bytes.
         """
         row = self._file.execute(
             "SELECT value, refused, seconds, worker, files FROM done WHERE digest = ?", (digest,)
@@ -102,7 +102,7 @@ class Manifest:
         return Outcome(json.loads(value), refused, "", seconds, worker, found)
 
     def keep(self, digest, outcome):
-        """Keep an Outcome that did not fail. Raises Refusal where the file cannot be written."""
+        """Store an Outcome that did not fail. Raises Refusal if the file cannot be written."""
         row = (
             digest,
             json.dumps(outcome.value, allow_nan=False),  # in the order of its columns
@@ -122,7 +122,7 @@ class Manifest:
             raise self._refusal(error) from error
 
     def forget(self):
-        """Keep nothing of what was done. Raises Refusal where the file cannot be written."""
+        """Remove all stored tasks. Raises Refusal if the file cannot be written."""
         try:
             self._file.execute("DELETE FROM done")
             self._file.execute("DELETE FROM contents")
@@ -131,7 +131,7 @@ class Manifest:
             raise self._refusal(error) from error
 
     def commit(self):
-        """Write what was kept to the disc. Raises Refusal where that cannot be."""
+        """Write the stored tasks to the disc. Raises Refusal if the file cannot be written."""
         try:
             self._file.commit()
         except sqlite3.Error as error:
@@ -145,7 +145,7 @@ class Manifest:
         return self
 
     def __exit__(self, *_):
-        """Write what was kept, as far as that can be, and let others open the file."""
+        """Write the stored tasks if possible, and close the file, so that another client can open it."""
         with suppress(sqlite3.Error):
             self._file.commit()
         self._file.close()

@@ -1,4 +1,4 @@
-"""Outcomes of tasks in the tasks' order, whoever computes them."""
+"""Outcomes of tasks in the tasks' order, on any workers or in this process."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -11,10 +11,10 @@ from fixedpipe.effects.tasks.run import finished
 from fixedpipe.effects.tasks.task import Outcome, Task
 from fixedpipe.effects.tasks.worker import batch
 
-# Calls for each worker that are sent, computed, or wait for those before them: each holds its result.
+# Calls for each worker that are sent, computed, or wait for earlier ones. Each holds its result in memory.
 _CALLS_OF_A_WORKER = 3
-# How often a task is sent whose worker ends. Assumed: memory may end a worker because of a neighbour, but
-# not three times.
+# How often a task is sent if its worker ends. Assumed: lack of memory may end a worker because of another
+# process, but not three times.
 _TRIES = 3
 
 
@@ -23,11 +23,11 @@ def in_order(
 ) -> Iterator[Outcome]:
     """The Outcomes of tasks, in their order; each has a value.
 
-    tasks     asked for a few ahead of the Outcomes that were taken
-    workers   None: computed here, one after the other
-    manifest  where finished tasks are found, with their files, and kept; None: nowhere
+    tasks     an iterable; a few tasks are read before their Outcomes are needed
+    workers   None: this process computes the tasks, one after the other
+    manifest  where finished tasks are found and stored, with their files; None: nowhere
 
-    Raises Refusal, which names the task, for one that is refused, fails, or whose worker ended three times.
+    Raises Refusal, which names the task, if a task is refused or fails, or its worker ends three times.
     """
     pending: deque = deque()
     most = 1 if workers is None else _CALLS_OF_A_WORKER * max(workers.workers(), 1)
@@ -50,7 +50,7 @@ def in_order(
 def _sent(workers, task):
     try:
         return workers.submit(batch, [(task.work, dict(task.parameters))])
-    except RuntimeError as error:  # the executor itself has ended; a BrokenExecutor, too
+    except RuntimeError as error:  # the executor itself has ended; BrokenExecutor is a RuntimeError
         raise Refusal(f"The executor ended before {task.said}: {error}") from error
 
 
@@ -67,7 +67,7 @@ def _outcome(workers, manifest, task, known, future):
 
 
 def _came(workers, task, future):
-    """The Outcome of a call, which is sent again where its worker ends."""
+    """The Outcome of a call. The call is sent again if its worker ends."""
     for tries in range(1, _TRIES + 1):
         try:
             (done,) = finished([future], workers.workers)

@@ -1,4 +1,4 @@
-"""Processes of this computer as an executor. One that ends by itself fails its own call alone."""
+"""Processes of this computer as an executor. If one of them ends by itself, only its own call fails."""
 
 import multiprocessing
 import signal
@@ -15,23 +15,24 @@ from fixedpipe.pipeline.native.threads import limit_threads
 
 try:
     import resource
-except ImportError:  # where the system has none
+except ImportError:  # the system does not have this module
     resource = None
 
-# Bytes that a process has held at once, above which another takes its place: what it has freed stays with it.
+# Most bytes that a process may have used at once. Beyond it a new process replaces it, because a process
+# does not return freed memory to the system.
 # Measured: the figure F000-5 needs 2.0 GB and leaves 1.5; after a dozen figures a process had 4.5.
 MOST_HELD = 1 << 30
 
 
 class Processes(Executor):
-    """``count`` processes, each a pool of one, so that it is known which call ended with a process.
+    """``count`` processes, each in a pool of its own. So the call that a process ended with is known.
 
-    threads    how many each call may use
-    most_held  bytes that a process may have held at once; after that another takes its place
+    threads    how many threads each call may use
+    most_held  most bytes that a process may have used at once; beyond that a new process replaces it
     begin      a function and its arguments: what each process calls before its first call
 
-    A call whose process ended raises BrokenProcessPool, and another process takes the place. The processes
-    ignore Ctrl-C, which is the client's, and end with the client, however that ends.
+    A call whose process ended raises BrokenProcessPool, and a new process replaces the old one. The processes
+    ignore Ctrl-C; the client handles it. They end when the client ends, for whatever reason.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class Processes(Executor):
     ):
         self.count, self._most_held = count, most_held
         self._begun_by = threads, begin
-        self._context = multiprocessing.get_context("spawn")  # a forked process has none of our threads
+        self._context = multiprocessing.get_context("spawn")  # a forked process would lack our threads
         self._others = set(multiprocessing.active_children())
         self._lock = threading.RLock()
         self._waiting: deque = deque()
@@ -61,13 +62,13 @@ class Processes(Executor):
         return future
 
     def shutdown(self, wait=True, *, cancel_futures=False):
-        """As ``Executor.shutdown``; with ``cancel_futures`` what is being computed is stopped, too."""
+        """As ``Executor.shutdown``; with ``cancel_futures`` running computations are stopped, too."""
         with self._lock:
             self._ended = True
             if cancel_futures:
                 for future, _ in self._waiting:
                     future.cancel()
-                    future.set_running_or_notify_cancel()  # ends a ``wait`` for it
+                    future.set_running_or_notify_cancel()  # ends a ``wait`` for this future
                 self._waiting.clear()
             free = list(self._free)
         for pool in free:
@@ -94,19 +95,19 @@ class Processes(Executor):
             if not future.set_running_or_notify_cancel():
                 continue
             pool = self._free.pop()
-            with background_compiling.interrupts_kept():  # the first submitted begins the process
+            with background_compiling.interrupts_kept():  # a pool's first call begins its process
                 try:
                     inner = pool.submit(_call, *call)
-                except BrokenProcessPool:  # it ended while it had nothing to do
+                except BrokenProcessPool:  # the process ended while it had nothing to do
                     pool = self._new()
                     inner = pool.submit(_call, *call)
             inner.add_done_callback(partial(self._came, pool, future))
 
     def _came(self, pool, future, inner):
-        """The end of a call; in a thread of its pool."""
+        """Handle the end of a call. A thread of the call's pool runs this."""
         error = inner.exception()
         value, held = (None, 0) if error else inner.result()
-        if isinstance(error, BrokenProcessPool | SystemExit):  # killed, or told to end
+        if isinstance(error, BrokenProcessPool | SystemExit):  # killed, or ended by a signal
             error = BrokenProcessPool("The process that computed it ended by itself.")
             held = self._most_held + 1
         with self._lock:
@@ -127,9 +128,9 @@ class Processes(Executor):
 
 
 def _begin(threads, begin):
-    """The first call in a process. It ends on request, or when its parent has ended."""
+    """Prepare a process before its first call. The process ends at a SIGTERM, or after its parent's end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so half-written files are removed
     # Inside a compiler's callback SystemExit is ignored and printed; the next signal ends the process.
     sys.unraisablehook = _print_but_ends
     background_compiling.end_with_parent()
@@ -145,12 +146,12 @@ def _print_but_ends(unraisable):
 
 
 def _call(function, arguments, keywords):
-    """What a function returns, and the bytes that this process has held at most."""
+    """A function's result, and the most bytes that this process has used."""
     return function(*arguments, **keywords), most_held()
 
 
 def most_held():
-    """The bytes that this process has held at most; 0 where the system does not say."""
+    """The most bytes that this process has used; 0 if the system does not say."""
     if resource is None:
         return 0
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)

@@ -1,4 +1,4 @@
-"""Hand tasks to an executor, and take what comes. Finished tasks are found again, lost ones sent again."""
+"""Send tasks to an executor, and yield their Outcomes. Stored tasks are found, lost ones are sent again."""
 
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -10,25 +10,25 @@ from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.effects.tasks.task import Outcome, Task
 from fixedpipe.effects.tasks.worker import batch
 
-# A call to a worker has as many tasks as take this long, so that what a call costs does not count
-# (docs/scale.md has what it costs).
+# The tasks of one call take about this long together. So the cost of the call itself is small beside them
+# (docs/scale.md says what a call costs).
 SECONDS_OF_A_CALL = 0.5
-# And as long as this for each worker, so that one client keeps many of them at work. Assumed: a call costs
-# the client 2 ms where a scheduler is between (0.25 ms without, Measured); then it works half of the time.
+# They take at least this long for each worker, so that one client can feed many workers. Assumed: a call
+# costs the client 2 ms with a scheduler (0.25 ms without, Measured); then the client is busy half the time.
 SECONDS_FOR_A_WORKER = 0.004
 MOST_IN_A_CALL = 256
-# Calls for each worker, one that it computes and one that waits, so that it never has nothing to do.
+# Calls for each worker: it computes one, and one waits, so the worker always has work.
 _CALLS_OF_A_WORKER = 2
-# How often a task is sent whose worker ends, and how many are lost, none having come, until the executor is
-# given up. Assumed: memory may end a worker because of a neighbour, but not three times.
+# How often a task is sent if its worker ends; and how many lost tasks, before any Outcome, end the run.
+# Assumed: lack of memory may end a worker because of another process, but not three times.
 _TRIES, _LOST_AT_FIRST = 3, 10
 SECONDS_BETWEEN_LOOKS = 2.0  # at workers, while none of them answers
 
 
 def finished(calls: Collection[Future], workers: Callable[[], int]) -> set[Future]:
-    """Wait until some of these calls are finished, and return those; none if there are no calls.
+    """Wait until some of these calls are finished, and return those. Without calls, return none.
 
-    workers  is called now and then: it raises where nobody is left who could finish them
+    workers  is called now and then; it raises if no worker is left to finish them
     """
     while calls:
         done, _ = wait(calls, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED)
@@ -46,17 +46,17 @@ def run(
     workers: Callable[[], int] = lambda: 1,
     has_files: Callable[[Outcome], bool] = lambda outcome: True,
 ) -> Iterator[tuple[Task, Outcome]]:
-    """Compute tasks; yields (task, Outcome) of each as it comes.
+    """Compute tasks, and yield (task, Outcome) for each when it is finished.
 
-    tasks      asked for one after the other, a few more than are being computed
-    executor   any ``concurrent.futures.Executor``; None: here, one after the other
-    manifest   where finished tasks are found and kept; None: nowhere
-    workers    says how many the executor has now; raises Refusal where it has lost them for good
-    has_files  whether the files that a found Outcome names are still there; else the task is computed again
+    tasks      an iterable; it is read as tasks are needed, a few ahead
+    executor   any ``concurrent.futures.Executor``; None: this process computes them, one after the other
+    manifest   where finished tasks are found and stored; None: nowhere
+    workers    returns how many workers the executor has now; raises Refusal if they are lost for good
+    has_files  whether the files that a found Outcome names still exist; otherwise the task is computed again
 
-    A task that fails has an Outcome that says why, and is not kept. A task whose worker ended is sent again.
-    Raises Refusal where the executor ends, or the manifest cannot be written, and UnfitWorker for a worker
-    with other versions or bits. What was finished stays in the manifest.
+    If a task fails, its Outcome says why, and is not stored. If a worker ends, its tasks are sent again.
+    Raises Refusal if the executor ends or the manifest cannot be written, and UnfitWorker if a worker has
+    other versions or bits. Finished tasks stay in the manifest.
     """
     found = deque[tuple[Task, Outcome]]()
 
@@ -65,7 +65,7 @@ def run(
             known = None if manifest is None else manifest.find(task.digest)
             if known is not None and has_files(known):
                 found.append((task, known))
-                yield None  # so that what is found is told before others are waited for
+                yield None  # so that found tasks are yielded before the wait for others
             else:
                 yield task
 
@@ -89,7 +89,7 @@ def _here(tasks):
 
 
 class _Sent:
-    """The calls that an executor has been given, and has not answered."""
+    """The calls that an executor has got and not answered yet."""
 
     def __init__(self, executor, workers):
         self.executor, self.workers = executor, workers
@@ -97,10 +97,10 @@ class _Sent:
         self.again = deque()  # tasks whose call was lost
         self.lost = Counter()  # by digest
         self.came, self.seconds = 0, 0.0
-        self.broken = None  # what the executor raised when it took no call any more
+        self.broken = None  # the exception of an executor that takes no more calls
 
     def outcomes(self, tasks):
-        """(task, Outcome) as they come, and None wherever ``tasks`` has it."""
+        """Yield (task, Outcome) when each task is finished, and None wherever ``tasks`` has None."""
         waiting, ended = [], False
         try:
             while waiting or self.again or self.calls or not ended:
@@ -122,7 +122,7 @@ class _Sent:
                         break
                     self._send(waiting)
                     waiting = []
-                if self.broken and not self.calls:  # all that it still answered is told
+                if self.broken and not self.calls:  # all its answers have been yielded
                     raise _ended(self.broken) from self.broken
                 for future in finished(self.calls, self.workers):
                     yield from self._answered(future, self.calls.pop(future))
@@ -143,7 +143,7 @@ class _Sent:
         work = [(task.work, dict(task.parameters)) for task in tasks]
         try:
             future = self.executor.submit(batch, work)
-        except RuntimeError as error:  # a BrokenExecutor, too
+        except RuntimeError as error:  # BrokenExecutor is one, too
             self.broken = error
             return
         self.calls[future] = tasks
@@ -164,7 +164,7 @@ class _Sent:
             yield task, outcome
 
     def _lost(self, tasks, error):
-        """What is done with tasks whose call gave no answer."""
+        """Send the tasks of a call without an answer again, or yield that they failed."""
         said = f"{type(error).__name__}: {error}"
         if not self.came and self.lost.total() >= _LOST_AT_FIRST:
             raise Refusal(f"No worker computes anything: {said}") from error

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
 
-# By name, the bytes of files that a task makes beside its value.
+# The files that a task makes in addition to its value: their bytes by name.
 Files: TypeAlias = Mapping[str, bytes]
 
 
 def canonical(value: Any) -> bytes:
-    """The one JSON text of a value: equal values, equal bytes. Raises ValueError for NaN and infinities."""
+    """A value as JSON; equal values give equal bytes. Raises ValueError for NaN and infinities."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 
@@ -21,10 +21,10 @@ class Task:
     """One piece of long work.
 
     work        a function at the top of a module, so that a worker finds it by its name. It takes
-                ``parameters`` by keyword and returns a value that JSON can hold, or (value, Files). The same
-                parameters always give the same
-    parameters  what JSON can hold
-    said        the task in a line of progress, or in an error: "F004-4 alpha_x=0.1 on OCTANE"
+                ``parameters`` by keyword and returns a value that JSON can hold, or (value, Files). Equal
+                parameters always give equal results
+    parameters  values that JSON can hold
+    said        the task's name in a line of progress or an error: "F004-4 alpha_x=0.1 on OCTANE"
     inputs      a digest of everything else that the result depends on: sources, packages, files of users
     """
 
@@ -42,14 +42,14 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task.
+    """The result of a task.
 
-    value    what its function returned; None where it was refused or failed
+    value    the value that its function returned; None if the task was refused or failed
     refused  the sentence of a Refusal: no result exists for these parameters, on any worker; "" otherwise
-    failed   what went wrong on the worker, so that another try may succeed; "" otherwise
-    seconds  that the function took
+    failed   the error on the worker; another try may succeed; "" otherwise
+    seconds  how long the function ran
     worker   "HOST:PROCESS" of the worker
-    files    the Files that it made
+    files    the Files that the function made
     """
 
     value: Any = None

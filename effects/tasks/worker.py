@@ -1,4 +1,4 @@
-"""What runs in a worker: its first call prepares the process, and every call computes a batch of tasks."""
+"""The functions that run in a worker. Its first call prepares the process; every call computes tasks."""
 
 import socket
 import threading
@@ -20,18 +20,18 @@ _lock = threading.Lock()  # a worker may have several threads
 
 
 def process():
-    """The host and the number of this process, by which a worker knows that it is the client itself."""
+    """The host and the number of this process. By them a worker knows whether it is the client itself."""
     return socket.gethostname(), getpid()
 
 
 def at_worker(client, environment, threads, function, arguments, keywords):
-    """Call a function in a worker that was prepared.
+    """Prepare this worker if it is not the client itself, and call a function in it.
 
     client       ``process()`` of the client, whose own process needs no preparation
     environment  ``environment()`` of the client
     threads      how many threads each call may use
 
-    Raises UnfitWorker where the worker has other versions or other bits, and what the function raises.
+    Raises UnfitWorker if the worker has other versions or other bits, and the function's own exceptions.
     """
     if process() != client:
         _prepare(environment, threads)
@@ -39,13 +39,13 @@ def at_worker(client, environment, threads, function, arguments, keywords):
 
 
 def _prepare(environment, threads):
-    """Compare versions, and once in a process compile what the cache lacks, and draw the self-test.
+    """Compare versions. The first call in a process also compiles missing kernels and draws the self-test.
 
-    All workers of a host may begin at once: a kernel's lock lets one of them compile it, and the others read
-    it then from the cache (``fixedpipe.raster.kernel``).
+    All workers of a host may begin at once. A kernel's lock lets one of them compile it; the others then read
+    it from the cache (``fixedpipe.raster.kernel``).
     """
     global _prepared
-    check_environment(environment)  # of each client: a worker may outlive its first
+    check_environment(environment)  # every time: a worker may run longer than its first client
     with _lock:
         if _prepared:
             return
@@ -62,7 +62,7 @@ def _prepare(environment, threads):
 
 
 def unfit(environment, threads):
-    """Prepare this worker: the sentence that says why it does not compute as the client does, or ""."""
+    """Prepare this worker. Returns why it does not compute as the client does, in a sentence, or ""."""
     try:
         _prepare(environment, threads)
     except UnfitWorker as error:
@@ -71,7 +71,9 @@ def unfit(environment, threads):
 
 
 def batch(tasks):
-    """An Outcome for each of (function, parameters), in their order. What a task raises is its Outcome's."""
+    """An Outcome for each of (function, parameters), in their order. A task's exception becomes part of its
+    Outcome.
+    """
     return [_outcome(function, parameters) for function, parameters in tasks]
 
 
@@ -84,7 +86,7 @@ def _outcome(function, parameters):
     try:
         found = function(**parameters)
         value, files = found if isinstance(found, tuple) else (found, {})
-        canonical(value)  # what JSON cannot hold is the function's fault
+        canonical(value)  # a value that JSON cannot hold is an error of the function
     except Refusal as refusal:
         return after(refused=str(refusal))
     except Exception as error:

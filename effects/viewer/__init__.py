@@ -1,6 +1,6 @@
-"""The live viewer: a frame drawn by a machine while its parameters, its machine and its camera are moved.
+"""The live viewer: a machine draws a frame while the user changes its parameters, its machine or its camera.
 
-``subjects`` says what can be viewed, ``views`` how it is asked for, ``studio`` draws it, ``worker`` lets the
-newest request win, ``conversation`` talks with a page, by whatever way: ``server`` by a WebSocket of this
-computer, ``widget`` by a notebook's messages.
+``subjects`` has the frames that can be viewed, and ``views`` a window's requests. ``studio`` draws them, and
+``worker`` drops a request when a newer one arrives. ``conversation`` exchanges messages with a page. They go
+through a WebSocket of this computer (``server``) or through a notebook (``widget``).
 """

@@ -1,4 +1,4 @@
-"""A figure's parameters as a page offers them: sliders, choices and fields, and what a gesture moves."""
+"""A page's controls for a figure's parameters: sliders, choices and fields, and gestures that move them."""
 
 import math
 from collections.abc import Mapping
@@ -18,20 +18,20 @@ from fixedpipe.effects.figures.parameters import (
     Whole,
 )
 
-# Numbers of one value that have a slider each; values of more are edited as text.
+# A value of at most so many numbers has a slider for each; longer values are edited as text.
 _MOST_SLIDERS = 4
-# A slider of a number without bounds goes so many times as far as the figure's own value. Chosen.
+# The slider of a number without bounds ends at so many times the figure's own value. Chosen.
 _REACH = 4.0
-# Angles that turn what is seen about the upright axis, and those that lean it towards the viewer.
+# Names of angles that turn the scene about the upright axis, and of those that lean it towards the viewer.
 _TURNING = ("turn", "longitude", "azimuth")
 _LEANING = ("tilt", "pitch", "elevation", "latitude", "lean")
 _EYES = ("eye", "view", "front")
 
 
 def control(name: str, parameter: Parameter, text: str) -> dict[str, Any]:
-    """What a page knows of a parameter: a dict of JSON values.
+    """The data of a parameter for a page: a dict of JSON values.
 
-    ``text``: the value that it has where nothing is set, as ``--set`` takes it.
+    ``text``: the value of the parameter if nothing is set, in the form of ``--set``.
     """
     return {
         "name": name,
@@ -46,13 +46,13 @@ def control(name: str, parameter: Parameter, text: str) -> dict[str, Any]:
 
 
 def is_file(parameter: Parameter) -> bool:
-    """Whether values are names of files, which no page may choose."""
+    """Whether the values of a parameter are names of files. No page may choose these."""
     return isinstance(_plain(parameter.kind), Own)
 
 
 def gesture(name: str, kind: Any) -> str:
-    """What of a picture's gestures moves the parameter: "light", "lamp", "light angle", "eye", "orbit",
-    "turn", "lean"; empty where none does.
+    """The gesture in a picture that moves the parameter: "light", "lamp", "light angle", "eye", "orbit",
+    "turn", "lean"; empty if none does.
     """
     kind = _plain(kind)
     if kind == DIRECTION_KIND:
@@ -68,7 +68,7 @@ def _plain(kind):
 
 
 def _form(kind: Any, default: Any) -> Mapping[str, Any]:
-    """How the value is edited: "form" and what that needs."""
+    """How a page edits the value: "form", and the data that this form needs."""
     if isinstance(kind, Maybe | Own):
         return {"form": "text"}
     return next(
@@ -93,7 +93,7 @@ def _several(kind, default):
 
 
 def _range(kind, values, is_direction=False):
-    """A slider's ends and step. It shows a part of a wide range; the field beside it takes the whole."""
+    """A slider's ends and step. The slider covers a part of a wide range; its text field takes all of it."""
     largest = max(abs(float(each)) for each in values) or 1.0
     reach = largest if is_direction else _REACH * largest
     low, high = max(kind.low, -reach), min(kind.high, reach)
@@ -105,7 +105,7 @@ def _range(kind, values, is_direction=False):
 
 
 def _finite(number):
-    """JSON has no infinity."""
+    """The number, or None for an infinity, which JSON does not have."""
     return number if math.isfinite(number) else None
 
 

@@ -1,7 +1,7 @@
-"""What a window and the viewer say to each other, by whatever way the messages go.
+"""The messages between a window and the viewer. The way on which they travel does not matter here.
 
-A window says: draw this; I have shown picture 7; what happened to this pixel. The viewer says: this is what
-can be seen, this is the picture, this is the answer.
+A window says: draw this; I have shown picture 7; what happened to this pixel? The viewer says: these frames
+can be seen; this is the picture; this is the answer.
 """
 
 import threading
@@ -17,27 +17,27 @@ from fixedpipe.effects.viewer.studio import Studio
 from fixedpipe.effects.viewer.views import View, machine_of, machines, to_object, view_of
 from fixedpipe.effects.viewer.worker import Request, Worker
 
-# Pictures that a window has been sent and has not shown yet: one is drawn while the other travels.
+# The most pictures that are sent to a window and not shown yet: the window shows one while the other travels.
 IN_FLIGHT = 2
-# Bytes a second below which pictures are deflated, and after how many of them raw ones are tried again.
-# Measured: deflate takes some 50 MB/s of one core of an AMD EPYC; a connection that is slower gains by it.
+# Connections with fewer bytes a second get deflated pictures; after so many of them raw ones are tried again.
+# Measured: deflate handles some 50 MB/s on one core of an AMD EPYC; a slower connection gains by it.
 _SLOW, _TRY_AGAIN = 20e6, 40
-_FEW = 1 << 16  # bytes of a message that says nothing of the connection
+_FEW = 1 << 16  # a message of fewer bytes does not show how fast the connection is
 
-# (header or message as JSON values, bytes or None): an answer, or a picture's whole message.
+# (header or message as JSON values, bytes or None): an answer, or the whole message of a picture.
 Deliver = Callable[[dict[str, Any], bytes | None], None]
 
 
 class Conversation:
-    """With one window. ``deliver`` sends to it, and is called from several threads, one at a time."""
+    """A conversation with one window. ``deliver`` sends to it; several threads call it, one at a time."""
 
     def __init__(self, studio: Studio, start: View, deliver: Deliver):
         self._studio, self._start, self._deliver = studio, start, deliver
         self._lock = threading.RLock()
         self._worker = Worker(studio, self._tell)
         self._waiting: OrderedDict[str, tuple[int, Any]] = OrderedDict()  # by name: (serial, Picture)
-        self._shown: dict[str, Sent] = {}  # by name: what the window has
-        self._flying: dict[int, tuple[float, int]] = {}  # number: when it was sent, bytes
+        self._shown: dict[str, Sent] = {}  # by name: the picture that the window has
+        self._flying: dict[int, tuple[float, int]] = {}  # number of a picture: time of sending, bytes
         self._number = self._deflate = 0
         self._serial = -1
         self.counted = {"pictures": 0, "bytes": 0, "dropped": 0}
@@ -54,7 +54,7 @@ class Conversation:
         }
 
     def greet(self) -> None:
-        """Say what can be seen, and what is seen first. Pictures begin anew."""
+        """Send the list of frames, and which one is shown first. The next pictures are whole ones."""
         with self._lock:
             self._shown.clear()
             self._flying.clear()
@@ -68,7 +68,7 @@ class Conversation:
             )
 
     def hear(self, message: Any) -> None:
-        """Do what a window says. What cannot be done is answered by a sentence."""
+        """Carry out a window's message. If it cannot be done, send a sentence that says why."""
         said = message if isinstance(message, Mapping) else {}
         number = said.get("number")
         number = number if type(number) is int else -1
@@ -85,7 +85,7 @@ class Conversation:
         """End the window's threads."""
         self._worker.close(wait)
 
-    # ---------------------------------------------------------------------------------- what is heard
+    # ------------------------------------------------------------------------- messages from the window
 
     def _draw(self, message, number):
         wants = message.get("wants", [])
@@ -103,7 +103,7 @@ class Conversation:
             if sent is not None and size >= _FEW:
                 rate = size / max(time.monotonic() - sent, 1e-6)
                 self._deflate = _TRY_AGAIN if rate < _SLOW else self._deflate
-            if message.get("lost"):  # the window lacks the base: the next picture is whole
+            if message.get("lost"):  # the window lacks the base, so the next picture is whole
                 self._shown.clear()
             self._pump()
 
@@ -134,10 +134,10 @@ class Conversation:
         view = view_of(message.get("view"))
         self._worker.aside("golden", number, lambda: golden_kept(self._studio, view))
 
-    # ------------------------------------------------------------------------------------ what is said
+    # --------------------------------------------------------------------------- messages to the window
 
     def _tell(self, what, number, content):
-        """From the worker's threads."""
+        """Send a result. The worker's threads call this."""
         with self._lock:
             if what == "picture":
                 name, picture = content
@@ -151,7 +151,7 @@ class Conversation:
                 self._send({"say": what, "number": number, "words" if is_sentence else "value": content})
 
     def _pump(self):
-        """Send pictures that wait, as many as may be on their way."""
+        """Send waiting pictures, up to IN_FLIGHT at a time."""
         while self._waiting and len(self._flying) < IN_FLIGHT:
             name, (serial, picture) = self._waiting.popitem(last=False)
             self._number += 1

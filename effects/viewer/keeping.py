@@ -1,4 +1,4 @@
-"""What a window keeps of a View: the frame as Python, its picture, a test with its golden picture."""
+"""Files that a window offers for a View: the frame as Python, its picture, and a test with the picture."""
 
 import io
 import re
@@ -28,7 +28,7 @@ class Kept:
 
 
 def file_stem(view: View) -> str:
-    """The beginning of a file's name for a View: letters, digits, - and _, never a folder."""
+    """The beginning of a file's name for a View. It has only letters, digits, - and _; it names no folder."""
     plain = re.sub(r"[^A-Za-z0-9_-]+", "-", f"{Path(view.id.partition('#')[0]).stem}-{view.machine}").strip(
         "-"
     )
@@ -37,9 +37,9 @@ def file_stem(view: View) -> str:
 
 
 def script(studio: Studio, view: View) -> str:
-    """A Python script that draws the View again, and that inspect, compare and passes take."""
+    """A Python script that draws the View again. The commands inspect, compare and passes accept it."""
     subject = studio.subject(view)
-    studio.commands(view)  # refuses what cannot be drawn
+    studio.commands(view)  # raises Refusal if the view cannot be drawn
     with refusals():
         imports, lines = subject.script(view)
     machine = f'PROFILES["{view.machine}"]'
@@ -90,12 +90,12 @@ def _result(studio: Studio, view: View) -> Result:
 
 
 def picture_kept(studio: Studio, view: View) -> Kept:
-    """The machine's picture as a PNG file with all its bits, as ``Result.save`` writes it."""
+    """The machine's picture as a PNG file with all its bits, the same as ``Result.save`` writes."""
     return Kept(f"{file_stem(view)}.png", png(_result(studio, view).deep_image()))
 
 
 def golden_kept(studio: Studio, view: View) -> Kept:
-    """A ZIP file with a test and its golden picture, to be unpacked into a project with pytest.
+    """A ZIP file with a test and its golden picture. Unpack it into a project with pytest.
 
     The test draws the View again and compares it with the picture (docs/golden-images.md).
     """

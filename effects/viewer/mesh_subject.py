@@ -1,4 +1,4 @@
-"""A mesh of one material under a light, with a camera: what ``fixedpipe view MESH --material NAME`` shows."""
+"""A mesh of one material under a light, with a camera, for ``fixedpipe view MESH --material NAME``."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,7 +18,7 @@ from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.profiles.profile import Profile
 
 _SIZE = 512
-# Beside the reflectance's own.
+# The parameters of the scene, in addition to those of the reflectance.
 _SCENE = {
     "view": word.of(
         DIRECTION_KIND,
@@ -40,9 +40,9 @@ def is_mesh(what: str) -> bool:
 class MeshSubject:
     """A mesh of one material.
 
-    mesh      its name or its file's
-    material  of ``BRDFS`` or a file
-    surface   the mesh, read
+    mesh      the mesh's name, or the name of its file
+    material  a name in ``BRDFS``, or a file
+    surface   the mesh's Surface
     """
 
     mesh: str
@@ -58,20 +58,20 @@ class MeshSubject:
 
     @property
     def title(self) -> str:
-        """Mesh and material."""
+        """The mesh's name and the material's."""
         row = BRDFS.get(self.material)
         return f"{self.mesh}, {self.material if row is None else row.title}"
 
     @property
     def machines(self) -> tuple[str, ...]:
-        """Those that can draw factors."""
+        """The keys of the machines that can draw products of textures."""
         return _able()
 
     def _parameters(self) -> dict[str, Parameter]:
         return _SCENE | _of_material(self.material)
 
     def about(self, machine: str) -> dict[str, Any]:
-        """Its controls: the camera, the light and the reflectance's own."""
+        """The data for a page, with controls for the camera, the light and the reflectance's parameters."""
         profile = machine_of(machine)
         shown_material.check_machine(profile)
         return {
@@ -88,7 +88,7 @@ class MeshSubject:
         }
 
     def dimensions(self, view: View) -> tuple[int, int]:
-        """A square."""
+        """Width and height in pixels: those of a square."""
         size = view.size or self.size or _SIZE
         return size, size
 
@@ -103,11 +103,11 @@ class MeshSubject:
         return found
 
     def _settings(self, view: View) -> dict[str, str]:
-        """Texts of the reflectance's parameters that are set."""
+        """The values, as texts, of the reflectance's parameters that are set."""
         return {name: text for name, text in view.values if name not in _SCENE}
 
     def commands(self, view: View, profile: Profile) -> tuple[Command, ...]:
-        """The factors' textures and passes."""
+        """The commands that define the factors' textures and draw the passes. Raises Refusal."""
         values = self._values(view)
         with refusals():
             lighting = shown_material.directional([values["light"]], values["exposure"])
@@ -123,10 +123,10 @@ class MeshSubject:
             )
 
     def reference(self, view: View) -> None:
-        """None; the ideal is of the same passes."""
+        """None: there is no reference. The ideal evaluates the same passes."""
 
     def script(self, view: View) -> tuple[list[str], list[str]]:
-        """By ``shown_material``."""
+        """Lines of Python that draw by ``shown_material``."""
         values, (width, height) = self._values(view), self.dimensions(view)
         imports = ["from fixedpipe.effects.user_pictures import shown_material"]
         surface = f"shown_material.mesh({self.mesh!r})"
@@ -150,12 +150,12 @@ class MeshSubject:
         ]
 
     def spoken(self, view: View) -> str:
-        """Empty: ``fixedpipe material`` says it otherwise, and its window is another."""
+        """Empty, because ``fixedpipe material`` has other options and another window."""
         return ""
 
 
 def mesh_subject(mesh: str, material: str, size: int = 0) -> MeshSubject:
-    """The MeshSubject of names or files. Raises Refusal for what is neither."""
+    """The MeshSubject of names or files. Raises Refusal for a word that is neither."""
     with refusals():
         _factored(material, ())
         surface = read_mesh(mesh) if mesh.lower().endswith(MESH_KINDS) else shown_material.mesh(mesh)
@@ -163,7 +163,7 @@ def mesh_subject(mesh: str, material: str, size: int = 0) -> MeshSubject:
 
 
 def _eye(direction):
-    """The eye's place as far from the middle as the usual one. Raises Refusal along y, which is up."""
+    """The eye's place, as far from the origin as the usual one. Raises Refusal for the direction y (up)."""
     x, y, z = direction
     length, far = (sum(c * c for c in one) ** 0.5 for one in (direction, shown_material.EYE))
     if (x * x + z * z) ** 0.5 < 1e-3 * length:
@@ -183,7 +183,7 @@ def _factored(material: str, settings: tuple[tuple[str, str], ...]) -> Factored:
 
 
 def _of_material(material: str) -> dict[str, Parameter]:
-    """The reflectance's parameters in the words of figures."""
+    """The reflectance's parameters as Parameters, as figures have them."""
     row, found = BRDFS.get(material), {}
     for each in row.parameters if row is not None else ():
         low, high = each.low, each.high

@@ -1,6 +1,6 @@
-"""The page of the viewer: one HTML document with its style and script in it, and a notebook's module.
+"""The viewer's page, one HTML document with its style and script in it; and the module for a notebook.
 
-Nothing is fetched. What is shown comes by messages.
+The page fetches nothing. Everything that it shows comes by messages.
 """
 
 import json
@@ -9,18 +9,18 @@ import secrets
 from fixedpipe.effects.reports import viewing
 from fixedpipe.effects.reports.style import PALETTE
 
-# In the order in which they use each other.
+# In this order: each script uses those before it.
 SCRIPTS = ("link", "address", "model", "controls", "gestures", "panels", "bars", "window")
 _PACKAGE = __package__
 
 
 def script() -> str:
-    """The shared parts and the viewer's own. It defines ``fixedpipeView(root, connect, options)``."""
+    """The shared scripts and the viewer's. They define ``fixedpipeView(root, connect, options)``."""
     return viewing.script(_PACKAGE, SCRIPTS)
 
 
 def style() -> str:
-    """Of the shared parts and the viewer, with the palette."""
+    """The style sheet of the shared parts and the viewer, with the palette."""
     return PALETTE + viewing.style(_PACKAGE, "viewer.css")
 
 
@@ -51,8 +51,8 @@ def page(socket: str) -> tuple[str, str]:
     return text, policy
 
 
-# What a notebook's output does with the script. The style is the widget's own, in a shadow root, so that
-# neither changes how the other looks. The state goes both ways; while a hand moves, some times a second.
+# The code that runs the script in a notebook's output. The style is in a shadow root, so that notebook and
+# widget do not change each other's look. The state goes both ways; during a gesture, some times a second.
 _WIDGET = """
 const { fixedpipeView, connectModel } = globalThis;
 const STATE_EVERY = 200; // milliseconds
@@ -93,7 +93,7 @@ export default {
 
 
 def module() -> str:
-    """The module of a notebook's widget: the same script and style."""
+    """The module of a notebook's widget, with the same script and style."""
     style_text = (
         style().replace(":root", ":host").replace("html {", ":host {").replace("\nbody {", "\n.viewer {")
     )

@@ -1,8 +1,8 @@
-"""The viewer's server: one page and one WebSocket, for this computer alone.
+"""The viewer's server: one page and one WebSocket, only for this computer.
 
-It listens on 127.0.0.1. Every address begins with a secret token; Host and Origin are checked, so that no
-other page of the same browser can read or drive it, and no name that leads here. Nothing is read from or
-written to a file.
+It listens on 127.0.0.1. Every address begins with a secret token. The server checks Host and Origin, so no
+other page of the same browser can read or control it, and no other host name works. It reads and writes no
+file.
 """
 
 import asyncio
@@ -28,10 +28,10 @@ from fixedpipe.effects.viewer.views import View
 
 HOST = "127.0.0.1"
 MOST_WINDOWS = 8
-MOST_MESSAGE = 1 << 16  # bytes of a window's message
-# Answers that wait for a window that does not read; it is closed where there are more.
+MOST_MESSAGE = 1 << 16  # the most bytes of a window's message
+# The most answers that wait for a window. If there are more, the window does not read them, and is closed.
 _MOST_WAITING = 200
-# What WebSockets say when they close. Source: RFC 6455, section 7.4.1 (1008, 1013: IANA's registry).
+# Status codes with which a WebSocket closes. Source: RFC 6455, section 7.4.1 (1008, 1013: IANA's registry).
 _NOT_ALLOWED, _TRY_LATER = 1008, 1013
 _NOTHING = "There is nothing here. Open the whole address that fixedpipe view printed.\n"
 
@@ -39,12 +39,13 @@ _NOTHING = "There is nothing here. Open the whole address that fixedpipe view pr
 class Server:
     """Serves the Views of a Studio.
 
-    start  what a window sees first
-    port   0: any that is free
-    token  of the address; None: a new one
+    start  the View that a window shows first
+    port   the port; 0: any free port
+    token  the token in the address; None: a new one
     once   whether to end when the last window is closed
 
-    Raises Refusal where the port is taken, and for a token that is short or has odd characters.
+    Raises Refusal if the port cannot be used, or the token is short or has other characters than letters,
+    digits, - and _.
     """
 
     def __init__(
@@ -59,12 +60,12 @@ class Server:
 
     @property
     def address(self) -> str:
-        """Of the page."""
+        """The address of the page."""
         return f"http://{HOST}:{self.port}/{self.token}/"
 
     @property
     def windows(self) -> int:
-        """How many are open."""
+        """How many windows are open."""
         return len(self._windows)
 
     def application(self) -> Starlette:
@@ -78,8 +79,8 @@ class Server:
         )
 
     def run(self, ready: Callable[[], None] = lambda: None) -> None:
-        """Serve until Ctrl-C, ``end``, or with ``once`` the last window. ``ready``: called before it begins;
-        the port is listened to already.
+        """Serve until Ctrl-C or ``end``, or with ``once`` until the last window is closed. First it calls
+        ``ready``; the port is open already.
         """
         config = uvicorn.Config(
             self.application(),
@@ -88,7 +89,7 @@ class Server:
             lifespan="off",
             ws="websockets-sansio",
             ws_max_size=MOST_MESSAGE,
-            ws_per_message_deflate=False,  # pictures are packed already, or need not be
+            ws_per_message_deflate=False,  # pictures are deflated already, or need not be
             server_header=False,
             timeout_graceful_shutdown=1,
         )
@@ -102,14 +103,14 @@ class Server:
             self._socket.close()
 
     def end(self) -> None:
-        """Stop serving; from any thread."""
+        """Stop serving. Any thread may call this."""
         if self._uvicorn is not None:
             self._uvicorn.should_exit = True
 
-    # ------------------------------------------------------------------------------------ who may ask
+    # ------------------------------------------------------------------------------- allowed requests
 
     def _refused(self, asked: HTTPConnection) -> bool:
-        """Whether somebody else asks: another name of this computer, another page, or without the token."""
+        """Whether a request is refused: it has another host name or no token, or is from another page."""
         names = {f"{name}:{self.port}" for name in (HOST, "localhost")}
         host, origin = asked.headers.get("host", ""), asked.headers.get("origin")
         isolated = asked.headers.get("sec-fetch-site", "none") not in ("same-origin", "none")
@@ -137,7 +138,7 @@ class Server:
 
     async def _live(self, live: WebSocket) -> None:
         if self._refused(live):
-            await live.close(_NOT_ALLOWED)  # before it is accepted: HTTP 403
+            await live.close(_NOT_ALLOWED)  # before accept, so the answer is HTTP 403
             return
         await live.accept()
         if len(self._windows) >= MOST_WINDOWS:
@@ -158,7 +159,7 @@ class Server:
                 message = await _heard(live)
                 window.hear(message)
             await live.close(_NOT_ALLOWED, "This window does not read its answers.")
-        except (WebSocketDisconnect, RuntimeError):  # it was closed, by either side
+        except (WebSocketDisconnect, RuntimeError):  # either side has closed it
             pass
         finally:
             sending.cancel()
@@ -169,7 +170,7 @@ class Server:
 
 
 async def _heard(live: WebSocket) -> Any:
-    """A message as JSON values; None for one that is none, which is answered by a sentence."""
+    """A message as JSON values. None if it is no JSON; ``Conversation.hear`` answers that with a sentence."""
     text = await live.receive()
     if text["type"] == "websocket.disconnect":
         raise WebSocketDisconnect(text.get("code", 1000))

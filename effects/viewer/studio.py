@@ -1,6 +1,6 @@
-"""What is drawn of a View: the machine's picture, the ideal's, the reference, and what stands beside them.
+"""Draws a View: the machine's picture, the ideal's, the reference, and the data that a page shows with them.
 
-Nothing here knows a network or a page. Every picture is codes of its machine, unchanged.
+This module does not depend on a network or a page. Every picture has its machine's codes, unchanged.
 """
 
 import json
@@ -35,13 +35,13 @@ from fixedpipe.pipeline.inspection.registers import register_uses
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
 
-_KEPT = 6  # frames' commands: of two machines and the ideal, before and after a gesture
-# Commands of frames that are kept beside the newest two. F004-4 on the OCTANE has 145,427, of 3 kB each.
+_KEPT = 6  # frames whose commands are stored: two machines and the ideal, before and after a gesture
+# The most commands in stored frames, without the newest two. F004-4 on the OCTANE has 145,427, of 3 kB each.
 _MOST_COMMANDS = 1 << 15
 
 
 class Superseded(Exception):  # noqa: N818 (it says what happened)
-    """Something newer is asked for; what was being drawn is not wanted any more."""
+    """A newer request has arrived, and the result of this one is not needed any more."""
 
 
 def _never() -> bool:
@@ -52,10 +52,11 @@ def _never() -> bool:
 class Picture:
     """A picture as codes.
 
-    codes  uint8, or uint16 of more than 8 bits, [h, w, 4], top row first; alpha 255, or 0 where there is none
-    bits   of a component: full is 2**bits - 1
-    sha256 digest of the codes' RGB, uint8 or uint16 [h, w, 3], as ``fixedpipe golden`` has it
-    facts  what else is known: the command that was drawn last, seconds of processor time
+    codes  [h, w, 4], top row first: uint8, or uint16 for more than 8 bits. Alpha is 255, or 0 at pixels
+           without a value
+    bits   bits of a component: full intensity is 2**bits - 1
+    sha256 digest of the codes' RGB, uint8 or uint16 [h, w, 3], the same as in ``fixedpipe golden``
+    facts  other data about it: for example the last command, and the milliseconds that its steps took
     """
 
     codes: NDArray[np.uint8 | np.uint16]
@@ -64,12 +65,12 @@ class Picture:
 
     @property
     def sha256(self) -> str:
-        """Computed when it is asked for."""
+        """The digest of the codes' RGB. Each read computes it."""
         return digest(self.codes[..., :3])
 
 
 def picture_of(codes: NDArray[Any], bits: int, facts: dict[str, Any], alpha: Any = 255) -> Picture:
-    """The Picture of codes [h, w, 3 or 4]. ``alpha``: 255, or an array [h, w] of what there is."""
+    """The Picture of codes [h, w, 3 or 4]. ``alpha``: 255, or an array [h, w]: 0 at pixels without value."""
     out = np.empty((*codes.shape[:2], 4), np.uint8 if bits <= 8 else np.uint16)
     out[..., :3] = codes[..., :3]
     out[..., 3] = alpha
@@ -77,7 +78,7 @@ def picture_of(codes: NDArray[Any], bits: int, facts: dict[str, Any], alpha: Any
 
 
 def _codes_of(framebuffer: Framebuffer) -> tuple[NDArray[Any], int]:
-    """The colours of a framebuffer as they are, top row first, and their bits."""
+    """(the colours of a framebuffer as codes, top row first; the bits of a component)."""
     bits = framebuffer.color_bits
     if bits == 8:
         return framebuffer.image(), 8
@@ -93,7 +94,7 @@ class Studio:
         self._recorded: tuple[View, Any] | None = None
 
     def subject(self, view: View) -> Subject:
-        """Raises Refusal for a view of nothing, or of more pixels than there may be."""
+        """The Subject of a View. Raises Refusal if there is no such subject, or if it has too many pixels."""
         found = self.subjects[view.id]
         check_size(*self._dimensions(found, view), view.profile())
         return found
@@ -107,7 +108,7 @@ class Studio:
         return self._dimensions(self.subject(view), view)
 
     def commands(self, view: View, exact: bool = False) -> Commands:
-        """The commands of a View, up to its last; ``exact``: the ideal's. Raises Refusal."""
+        """The commands of a View, up to its last. ``exact``: whether they are the ideal's. Raises Refusal."""
         key = (view.whole(), exact)
         made = self._made.get(key)
         if made is None:
@@ -124,15 +125,15 @@ class Studio:
         return made[: view.upto + 1]
 
     def _held(self) -> int:
-        """The number of commands that are kept beside the newest two frames'."""
+        """How many commands are stored, without those of the newest two frames."""
         return sum([len(made) for made in list(self._made.values())[:-2]])
 
     def machine(self, view: View, stop: Callable[[], bool] = _never) -> Picture:
-        """What the machine drew: the window, or with ``upto`` the buffer that the last command drew to.
+        """The machine's picture: the window, or with ``upto`` the buffer that the last command drew into.
 
-        stop  asked after every command: whether to give up, with Superseded
+        stop  called after every command; if it returns True, Superseded is raised
 
-        Raises Refusal for what the machine cannot hold.
+        Raises Refusal if the machine cannot draw the frame.
         """
         begin = time.perf_counter()
         commands = self.commands(view)
@@ -170,8 +171,8 @@ class Studio:
     ) -> tuple[Picture, Picture, dict[str, Any]]:
         """(the machine's picture, the ideal's of the same fragments, numbers of their difference).
 
-        The ideal is rounded to the machine's codes; the numbers are of it without rounding. Raises Refusal
-        for what the ideal cannot be guided through.
+        The ideal's picture is rounded to the machine's codes; the numbers use it without rounding. Raises
+        Refusal if the ideal cannot follow the machine's fragments.
         """
         size, profile = self.dimensions(view), view.profile()
         commands, ideal_commands = self.commands(view), self.commands(view, exact=True)
@@ -193,8 +194,8 @@ class Studio:
         return found.color[..., :3]
 
     def reference(self, view: View) -> tuple[Picture, NDArray[np.float64]] | None:
-        """(picture in the machine's codes, float64 [h, w, 4]) of what the frame approximates; None where
-        there is nothing, or only a part of the frame is drawn. Raises Refusal.
+        """The reference that the frame approximates: (picture in the machine's codes, float64 [h, w, 4]).
+        None if there is no reference, or only a part of the frame is drawn. Raises Refusal.
         """
         if view.upto is not None:
             return None
@@ -207,8 +208,8 @@ class Studio:
         return picture_of(to_codes(found[..., :3], bits), bits, {}, alpha), found
 
     def history(self, view: View, at: tuple[int, int]) -> dict[str, Any]:
-        """Everything that happened to a pixel of the window: {"json", "html"}, as ``fixedpipe inspect`` has
-        it. Raises Refusal for a pixel outside.
+        """The history of a pixel of the window, as ``fixedpipe inspect`` has it: {"json", "html"}. Raises
+        Refusal for a pixel outside the window.
         """
         frame, ideal = self._record(view)
         with refusals():
@@ -216,7 +217,9 @@ class Studio:
         return {"json": to_json(found), "html": history_html(found)}
 
     def _record(self, view: View):
-        """(RecordedFrame, RecordedIdeal or None); the last is kept, as one asks for pixel after pixel."""
+        """(RecordedFrame, RecordedIdeal or None). The last result is stored, because users look at several
+        pixels.
+        """
         if self._recorded is not None and self._recorded[0] == view:
             return self._recorded[1]
         commands, size = self.commands(view), self.dimensions(view)
@@ -224,19 +227,19 @@ class Studio:
             frame = record(commands, view.profile(), *size)
             try:
                 ideal = record_ideal(self.commands(view, exact=True), frame, commands)
-            except ValueError:  # what only machines draw
+            except ValueError:  # only machines can draw this frame
                 ideal = None
         self._recorded = (view, (frame, ideal))
         return frame, ideal
 
     def registers(self, view: View) -> list[dict[str, Any]]:
-        """Of every register after every stage what it held, as ``fixedpipe inspect --registers`` has it."""
+        """The values of every register after every stage, as ``fixedpipe inspect --registers`` has them."""
         with refusals():
             uses = register_uses(self.commands(view), view.profile(), *self.dimensions(view))
         return json.loads(json.dumps(register_rows(uses)))
 
     def about(self, view: View) -> dict[str, Any]:
-        """What a page shows beside a picture of a subject on a machine."""
+        """The data that a page shows with a picture of a subject on a machine. Raises Refusal."""
         subject, profile = self.subject(view), view.profile()
         arithmetic = view.on(view.machine).profile().arithmetic
         with refusals():
@@ -259,7 +262,7 @@ class Studio:
 
 
 def widths_of(profile: Profile) -> dict[str, int]:
-    """The bits of a machine's parts, by the names that ``what_if.with_bits`` takes; those that it has."""
+    """The bits of the parts that a machine has, by the names that ``what_if.with_bits`` takes."""
     arithmetic = profile.arithmetic
     found = {
         "texture": arithmetic.texture_bits,
@@ -272,9 +275,10 @@ def widths_of(profile: Profile) -> dict[str, int]:
 
 
 def numbers_of(drawn: Picture, exact: NDArray[np.float64], of: str) -> dict[str, Any]:
-    """Numbers of a Difference: root mean square and largest, in units of full intensity, and what differs.
+    """Numbers of a Difference: root mean square and largest, in units of full intensity; and which pixels
+    differ.
 
-    ``exact``: RGB, or RGBA whose alpha is 0 where nothing is compared.
+    ``exact``: RGB, or RGBA; pixels with alpha 0 are not compared.
     """
     where = exact[..., 3] > 0.0 if exact.shape[2] == 4 else None
     delta = delta_of(drawn.codes, exact, drawn.bits)
@@ -293,7 +297,7 @@ def numbers_of(drawn: Picture, exact: NDArray[np.float64], of: str) -> dict[str,
 
 
 def _watching(stop: Callable[[], bool]):
-    """A Watch that raises Superseded after the command during which something newer was asked for."""
+    """A Watch that raises Superseded after a command, if ``stop`` returns True then."""
 
     def watch(command: Command, take: Any) -> None:
         if stop():
@@ -303,5 +307,5 @@ def _watching(stop: Callable[[], bool]):
 
 
 def changed(view: View, **values: str) -> View:
-    """A View with other values of parameters, as texts."""
+    """A View with other values of parameters. ``values``: the new values as texts."""
     return replace(view, values=tuple(sorted({**dict(view.values), **values}.items())))

@@ -1,7 +1,7 @@
-"""What can be viewed: figures, a frame that a script makes, a frame of a trace.
+"""The subjects that can be viewed: figures, a script's frame, a frame of a trace.
 
-A subject says which machines draw it, what may be changed of it, and gives its commands. ``mesh_subject`` has
-the one that is a mesh of a user's own.
+A subject knows which machines draw it and which parameters can be changed, and makes its commands.
+``mesh_subject`` has the subject for a user's mesh.
 """
 
 from collections.abc import Iterable, Mapping
@@ -26,9 +26,9 @@ Commands = tuple[Command, ...]
 
 
 class Subject(Protocol):
-    """What a window shows.
+    """The subject of a window.
 
-    id, title  in a few words
+    id, title  its name, and a title of a few words
     machines   keys of the machines that draw it, its own first
     panels     labels of its panels, from left to right
     """
@@ -39,26 +39,28 @@ class Subject(Protocol):
     panels: tuple[str, ...]
 
     def about(self, machine: str) -> dict[str, Any]:
-        """JSON values: its texts, its size, and its controls on a machine."""
+        """Its texts, its size, and its controls on a machine, as JSON values."""
 
     def dimensions(self, view: View) -> tuple[int, int]:
         """Width and height of the frame in pixels."""
 
     def commands(self, view: View, profile: Profile) -> Commands:
-        """The whole frame for a machine, or for the ideal beside the view's. Raises ValueError."""
+        """The whole frame for a machine, or for the ideal that is compared with it. Raises ValueError."""
 
     def reference(self, view: View) -> NDArray[np.float64] | None:
-        """What it approximates, float64 [h, w, 4], top row first, alpha 0 where none; None: nothing is."""
+        """The reference that it approximates, float64 [h, w, 4], top row first; alpha is 0 at pixels without
+        a reference. None: it has no reference.
+        """
 
     def script(self, view: View) -> tuple[list[str], list[str]]:
-        """Lines of Python that import, and that define width, height and commands of ``profile``."""
+        """(lines of Python that import, lines that define width, height and ``commands_of``)."""
 
     def spoken(self, view: View) -> str:
-        """What asks for the same after ``fixedpipe figures``; empty where nothing does."""
+        """The arguments of ``fixedpipe figures`` for the same picture; empty if there are none."""
 
 
 def check_size(width: int, height: int, profile: Profile) -> None:
-    """Raise Refusal for a picture that is larger than a window shows, or than the machine draws."""
+    """Raise Refusal if a picture is larger than a window shows, or than the machine draws."""
     largest = profile.framebuffers.max_viewport
     if width * height > MOST_PIXELS:
         raise Refusal(f"{width}x{height} pixels are more than a window shows; choose a smaller size.")
@@ -73,33 +75,33 @@ def check_size(width: int, height: int, profile: Profile) -> None:
 class FigureSubject:
     """A figure.
 
-    given  (name, text) of parameters as the command line set them: files among them are named there alone
-    size   a panel's height where a view says none
+    given  {name: text} of the parameters that the command line sets. Only it may name files
+    size   a panel's height in pixels, for views without a size
     """
 
     figure: Figure
     given: Mapping[str, str] = field(default_factory=dict)
     size: int = 0
-    path: str = ""  # of a figure's file of a user's own
+    path: str = ""  # of the file, if the figure is a user's
 
     @property
     def id(self) -> str:
-        """The figure's."""
+        """The figure's id."""
         return self.figure.id
 
     @property
     def title(self) -> str:
-        """The figure's."""
+        """The figure's title."""
         return self.figure.title
 
     @property
     def machines(self) -> tuple[str, ...]:
-        """The figure's."""
+        """The keys of the figure's machines."""
         return tuple(key for key in self.figure.machines if key in machines())
 
     @property
     def panels(self) -> tuple[str, ...]:
-        """The figure's."""
+        """The labels of the figure's panels."""
         return self.figure.panels
 
     def _size(self, view: View) -> int:
@@ -114,7 +116,7 @@ class FigureSubject:
         return {name: parameter for name, parameter in known.items() if parameter.offered}
 
     def about(self, machine: str) -> dict[str, Any]:
-        """Caption, what must be visible, size and controls."""
+        """The caption, what a viewer must see, the size and the controls."""
         method = self._method(View(self.id, machine))
         shown = []
         for name, parameter in self._parameters(method).items():
@@ -132,19 +134,20 @@ class FigureSubject:
         }
 
     def dimensions(self, view: View) -> tuple[int, int]:
-        """Of panels in a row."""
+        """Width and height in pixels of all panels in a row."""
         return self.figure.dimensions(self._size(view))
 
     def changes(self, view: View) -> dict[str, Any]:
-        """The parameters' values by name: those of the command line, and over them the view's.
+        """The parameters' values by name. The view's values replace those of the command line.
 
-        Raises Refusal for a value that is none, and for a file that the command line does not name.
+        Raises Refusal for a value that a parameter cannot have, and for a file that the command line does not
+        name.
         """
         method, found = self._method(view), {}
         known = self._parameters(method)
         for name, text in {**self.given, **dict(view.values)}.items():
             if name in self.given and name not in known:
-                continue  # a parameter of another machine's way
+                continue  # another machine's method has this parameter
             with refusals():
                 parameter = self.figure.offer(name, method)
                 if is_file(parameter) and text != self.given.get(name):
@@ -157,22 +160,22 @@ class FigureSubject:
             return self.figure.accepted(method, found)
 
     def commands(self, view: View, profile: Profile) -> Commands:
-        """The figure's scene with the values."""
+        """The commands of the figure's scene with these values."""
         return self.figure.commands(profile, self._size(view), self._method(view), **self.changes(view))
 
     def reference(self, view: View) -> NDArray[np.float64] | None:
-        """The figure's."""
+        """The figure's reference."""
         return self.figure.reference_picture(self._size(view), self._method(view), **self.changes(view))
 
     def _settings(self, view: View) -> dict[str, str]:
-        """Texts of the values that differ from the figure's own on the view's machine."""
+        """The values, as texts, that differ from the figure's own values on the view's machine."""
         known = self._parameters(self._method(view))
         every = {**self.given, **dict(view.values)}
         own = {name: parameter.kind.show(parameter.default) for name, parameter in known.items()}
         return {name: text for name, text in every.items() if name in own and text != own[name]}
 
     def script(self, view: View) -> tuple[list[str], list[str]]:
-        """By the figure's ``commands``."""
+        """Lines of Python that draw by the figure's ``commands``."""
         method = self._method(view)
         imports = ["from fixedpipe.effects.figures import FIGURES"]
         lines = [f"figure = FIGURES[{dumps(self.id)}]"]
@@ -197,7 +200,7 @@ class FigureSubject:
         return imports, lines
 
     def spoken(self, view: View) -> str:
-        """Options of ``fixedpipe figures``, inspect and others."""
+        """The arguments of ``fixedpipe figures``, inspect and other commands for the same picture."""
         from shlex import quote
 
         said = [quote(self.path or self.id), "--profile", view.machine, "--size", str(self._size(view))]
@@ -207,7 +210,7 @@ class FigureSubject:
 
 
 def _is_plain(value: Any) -> bool:
-    """Whether Python's text of a value is the value: numbers and tuples of them."""
+    """Whether ``repr`` of a value is Python code for it: numbers, None, and tuples of them."""
     if type(value) is tuple:
         return all(map(_is_plain, value))
     return value is None or type(value) in (bool, int, float)
@@ -215,11 +218,11 @@ def _is_plain(value: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class FrameSubject:
-    """A frame that is what it is: a script's or a trace's.
+    """A frame without parameters: a script's or a trace's.
 
-    make      (a machine's Profile) -> the frame's commands
-    size      width and height, pixels
-    own       key of the machine that draws it where nothing is chosen
+    make      a function that returns the frame's commands for a machine's Profile
+    size      width and height in pixels
+    own       key of the machine that draws it if the user chooses none
     imports, defining
               lines of Python that define ``commands_of``, a function of a machine
     """
@@ -235,11 +238,11 @@ class FrameSubject:
 
     @property
     def machines(self) -> tuple[str, ...]:
-        """All; those that cannot hold the frame refuse it in a sentence."""
+        """The keys of all machines. Those that cannot draw the frame refuse it in a sentence."""
         return (self.own, *(key for key in machines() if key != self.own))
 
     def about(self, machine: str) -> dict[str, Any]:
-        """It has no parameters."""
+        """The data for a page. There are no controls, because the frame has no parameters."""
         machine_of(machine)
         return {
             "caption": self.title,
@@ -252,26 +255,26 @@ class FrameSubject:
         }
 
     def dimensions(self, view: View) -> tuple[int, int]:
-        """Its own; it has no other size."""
+        """The frame's width and height. Raises Refusal for another size."""
         if view.size not in (0, self.size[1]):
             raise Refusal(f"{self.id} has {self.size[0]}x{self.size[1]} pixels; leave its size as it is.")
         return self.size
 
     def commands(self, view: View, profile: Profile) -> Commands:
-        """Its own."""
+        """The frame's commands. Raises Refusal if the view sets a parameter."""
         if view.values:
             raise Refusal(f"{self.id} is a frame without parameters; leave {view.values[0][0]} out.")
         return tuple(self.make(profile))
 
     def reference(self, view: View) -> None:
-        """None."""
+        """None: there is no reference."""
 
     def script(self, view: View) -> tuple[list[str], list[str]]:
-        """By what made it."""
+        """Lines of Python that make the frame from its script or trace."""
         return list(self.imports), [*self.defining, f"width, height = {self.size}"]
 
     def spoken(self, view: View) -> str:
-        """As inspect and passes take it."""
+        """The arguments of ``fixedpipe inspect`` and passes for the same frame."""
         from shlex import quote
 
         return f"{quote(self.id)} --profile {view.machine}"
@@ -288,11 +291,11 @@ class Subjects:
 
     @property
     def first(self) -> Subject:
-        """What a window shows where nothing is chosen."""
+        """The subject that a window shows if the user chooses none."""
         return next(iter(self.named.values()))
 
     def __getitem__(self, subject_id: str) -> Subject:
-        """Raises Refusal for an id that there is not."""
+        """The subject of an id. Raises Refusal if there is none."""
         if subject_id in self.named:
             return self.named[subject_id]
         if self.figures:
@@ -301,7 +304,7 @@ class Subjects:
         return choose("frame", subject_id, self.named)
 
     def listed(self) -> list[str]:
-        """The ids of all, in the catalogue's order. No figure's module is imported for it."""
+        """The ids of all subjects, in the catalogue's order. This imports no figure's module."""
         return list(dict.fromkeys([*self.named, *(FIGURES if self.figures else ())]))
 
 

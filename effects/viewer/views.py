@@ -1,4 +1,4 @@
-"""What a window asks to see: a frame's parameters, its machine with its widths and clamps, and how far."""
+"""A window's request: a frame's parameters, its machine with widths and clamps, and its last command."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,24 +10,24 @@ from fixedpipe.pipeline.inspection.what_if import PARTS, with_bits, without_clam
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.profiles.profile import Profile
 
-# Bounds of what a page may ask for. A page is a program, and anybody's address may be opened in it.
+# Limits of what a page may request. A page is a program, and anyone's address may be opened in a browser.
 LONGEST_TEXT = 4000  # characters of a parameter's value; an arc of ten directions has some hundred
-MOST_VALUES = 100  # parameters; no figure has as many
-MOST_PIXELS = 1 << 22  # of a picture: 16 MB, as much as a screen of 2048 x 2048 shows
-LEAST_SIZE, MOST_SIZE = 8, 2048  # a panel's height
+MOST_VALUES = 100  # parameters; no figure has so many
+MOST_PIXELS = 1 << 22  # of a picture: 16 MB, as many as a screen of 2048 x 2048 shows
+LEAST_SIZE, MOST_SIZE = 8, 2048  # a panel's height in pixels
 
 
 @dataclass(frozen=True)
 class View:
-    """A frame that is asked for.
+    """A frame that a window requests.
 
-    id       of the subject
-    machine  key of ``PROFILES``; not the ideal, which is computed beside it
+    id       the subject's id
+    machine  key of ``PROFILES``; not the ideal, which is computed in addition
     size     a panel's height in pixels; 0: the subject's own
-    values   (name, text) of parameters that differ from the subject's own, in the texts of ``--set``
+    values   (name, text) of parameters that differ from the subject's own, in the form of ``--set``
     bits     (part, bits) of widths that differ from the machine's, by names of ``what_if.PARTS``
-    without  names of clamps that the machine is to lack
-    upto     number of the last command that is drawn; None: all are
+    without  names of clamps that the machine must not have
+    upto     number of the last command to draw; None: all commands are drawn
     """
 
     id: str
@@ -39,21 +39,23 @@ class View:
     upto: int | None = None
 
     def whole(self) -> "View":
-        """The same with all commands."""
+        """The same View with all commands."""
         return replace(self, upto=None)
 
     def on(self, machine: str) -> "View":
-        """The same on another machine, which is as it was built."""
+        """The same View on another machine, with that machine's own widths and clamps."""
         return replace(self, machine=machine, bits=(), without=())
 
     def profile(self) -> Profile:
-        """The machine. Raises Refusal for widths and clamps that it does not take."""
+        """The machine's Profile. Raises Refusal for widths and clamps that it cannot have."""
         return _changed(self.machine, self.bits, self.without)
 
 
 @lru_cache(maxsize=64)
 def _changed(key: str, widths: tuple[tuple[str, int], ...], clamps: tuple[str, ...]) -> Profile:
-    """One object for the same changes: caches of textures and states ask for it by identity."""
+    """The Profile with these changes. Equal changes give the same object, because caches of textures and
+    states compare it by identity.
+    """
     found: Profile = machine_of(key)
     with refusals():
         for part, bits in widths:
@@ -64,12 +66,12 @@ def _changed(key: str, widths: tuple[tuple[str, int], ...], clamps: tuple[str, .
 
 
 def machines() -> dict[str, Profile]:
-    """The machines that draw, by key: all but the ideal."""
+    """The machines by key: all profiles without the ideal."""
     return {key: profile for key, profile in PROFILES.items() if not profile.arithmetic.exact}
 
 
 def machine_of(key: str) -> Profile:
-    """The Profile of a key. Raises Refusal for another, and for the ideal."""
+    """The Profile of a key. Raises Refusal for an unknown key, and for the ideal."""
     found: Profile = choose("machine", key, machines())
     return found
 
@@ -88,7 +90,7 @@ def to_object(view: View) -> dict[str, Any]:
 
 
 def view_of(given: Any) -> View:
-    """The View that a page's JSON object says. Raises Refusal, a sentence, for anything else."""
+    """The View that a page's JSON object describes. Raises Refusal for any other value."""
     if not isinstance(given, Mapping):
         raise Refusal("The view is no JSON object; send id, machine, size, values, bits, without, upto.")
     values, bits = (_mapping(given, name) for name in ("values", "bits"))

@@ -1,4 +1,4 @@
-"""The viewer in a notebook: ``FIGURES["F004-4"].view()``. The same page, whose messages are the widget's."""
+"""The viewer in a notebook: ``FIGURES["F004-4"].view()``. The same page uses the widget's messages."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,11 +16,11 @@ from fixedpipe.effects.viewer.views import View, to_object, view_of
 
 
 class Viewer(anywidget.AnyWidget):
-    """A window on one figure.
+    """A window that shows one figure.
 
-    ``state``: what is seen, {"id", "machine", "size", "values", "bits", "without", "upto"}, as
-    ``views.to_object`` writes it. It follows the hand, and the window follows what is assigned to it; what
-    cannot be drawn is said in the window.
+    ``state``: the present View, {"id", "machine", "size", "values", "bits", "without", "upto"}, as
+    ``views.to_object`` writes it. The user's gestures change it. If code assigns to it, the window changes;
+    if the new state cannot be drawn, the window shows a sentence.
     """
 
     state = traitlets.Dict().tag(sync=True)
@@ -44,7 +44,7 @@ class Viewer(anywidget.AnyWidget):
         self.send(message, None if data is None else [data])
 
     def picture(self) -> Picture:
-        """What the machine draws of ``state``: its codes, uint8 or uint16 [h, w, 4]. Raises Refusal."""
+        """The machine's picture of ``state``: its codes, uint8 or uint16 [h, w, 4]. Raises Refusal."""
         return self._studio.machine(view_of(self.state))
 
     def close(self) -> None:
@@ -61,7 +61,7 @@ def view_figure(
     threads: int | None = None,
     values: Mapping[str, Any] | None = None,
 ) -> Viewer:
-    """A Viewer of a figure; arguments as ``Figure.view``'s. Raises Refusal."""
+    """A Viewer of a figure. The arguments are those of ``Figure.view``. Raises Refusal."""
     key = machine or figure.machines[0]
     with refusals():
         method, texts = figure.method(key), {}

@@ -1,7 +1,7 @@
-"""Two threads that draw for a window: one what the hand moves, one what follows when it rests.
+"""Two threads that draw for a window: one while the user moves something, one when the user rests.
 
-The newest request wins: what waits is replaced by what is asked for later, and what is being drawn is given
-up between two commands where it would take long. So requests never queue up.
+The newest request wins. A newer request replaces a waiting one, and a drawing that would take long is ended
+between two commands. So requests never queue up.
 """
 
 import sys
@@ -16,22 +16,22 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.viewer.studio import Studio, Superseded, numbers_of
 from fixedpipe.effects.viewer.views import View
 
-# Seconds without a newer request after which the hand rests. Assumed: longer than between two moves of a
-# pointer, shorter than anybody waits.
+# After so many seconds without a newer request the user rests. Assumed: this is longer than the time between
+# two moves of a pointer, and too short to notice.
 REST = 0.12
-# Seconds after which a picture that nobody wants any more is given up. A shorter one is finished, or a hand
-# that moves steadily would never see one.
+# After so many seconds a picture that is not needed any more is dropped. A shorter one is finished; otherwise
+# a user who moves the pointer steadily would never see a picture.
 _PATIENCE = 0.5
 
 
 @dataclass(frozen=True)
 class Request:
-    """What a window asks for.
+    """A request of a window.
 
-    serial  its number; every answer says it
-    view    what is seen
+    serial  its number, which every answer repeats
+    view    the View to draw
     other   key of a second machine, which draws the same; empty: none
-    wants   of "ideal" and "reference", what is to follow at rest
+    wants   any of "ideal" and "reference"; they are drawn when the user rests
     """
 
     serial: int
@@ -40,19 +40,19 @@ class Request:
     wants: frozenset[str] = frozenset()
 
 
-# (what, serial, content): "picture" with (name, Picture); "numbers" with a dict; "failed" with a sentence;
-# "answer" with what an aside returned, its number for the serial.
+# (what, serial, content): "picture" with (name, Picture); "numbers" with a dict; "failed" or "refused" with a
+# sentence; "answer" with the value that an aside returned. The serial of an aside is its number.
 Tell = Callable[[str, int, Any], None]
 
 
 class Worker:
-    """Draws for one window, and tells what came of it. ``tell`` is called from its threads."""
+    """Draws for one window, and reports the results by ``tell``, which its threads call."""
 
     def __init__(self, studio: Studio, tell: Tell):
         self._studio, self._tell = studio, tell
         self._changed = threading.Condition()
         self._asked: Request | None = None
-        self._drawn: Request | None = None  # by the machine
+        self._drawn: Request | None = None  # the last request that the machine has drawn
         self._followed: Request | None = None
         self._asked_at = 0.0
         self._asides: dict[str, tuple[int, Callable[[], Any]]] = {}
@@ -65,19 +65,19 @@ class Worker:
             thread.start()
 
     def ask(self, request: Request) -> None:
-        """Draw this, and forget what was asked for before."""
+        """Draw this request, and drop earlier ones."""
         with self._changed:
             self._asked, self._asked_at = request, time.monotonic()
             self._changed.notify_all()
 
     def aside(self, kind: str, number: int, make: Callable[[], Any]) -> None:
-        """Answer with what ``make`` returns. Of one kind, what waits is replaced."""
+        """Answer with the value that ``make`` returns. It replaces a waiting answer of the same kind."""
         with self._changed:
             self._asides[kind] = number, make
             self._changed.notify_all()
 
     def close(self, wait: bool = False) -> None:
-        """End the threads; what they draw is given up. ``wait``: until they have ended."""
+        """End the threads, and drop what they draw. ``wait``: whether to wait until they have ended."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -89,7 +89,7 @@ class Worker:
         while not self._closed:
             step()
 
-    # Each thread's step waits for something to do, and does it.
+    # Each thread repeats its step. A step waits for work, and does it.
 
     def _draw(self):
         with self._changed:
@@ -131,7 +131,7 @@ class Worker:
                 self._followed = request if done else self._followed
 
     def _waits(self):
-        """Whether something that was drawn has still to be followed. Called with the lock."""
+        """Whether ideal and reference of a drawn request are still to be drawn. The caller has the lock."""
         return self._drawn is self._asked and self._drawn is not self._followed
 
     def _ideal_and_reference(self, request):
@@ -163,12 +163,12 @@ class Worker:
             self._tell("numbers", serial, numbers)
 
     def _guarded(self, number, act, failed="failed"):
-        """Do something; what cannot be done is told as a sentence. Returns whether it was not given up."""
+        """Call ``act``, and report an error as a sentence. Returns False if the work was superseded."""
         try:
             act()
         except Superseded:
             return False
-        except ValueError as error:  # refusals, and states that a machine lacks: sentences
+        except ValueError as error:  # refusals, and states that a machine lacks; their text is a sentence
             self._tell(failed, number, str(error))
         except Exception as error:
             traceback.print_exc(file=sys.stderr)

@@ -301,8 +301,8 @@ def describe_program(
 def describe(commands: Iterable[Command | MultiDraw], *, folded: bool = False) -> str:
     """The commands as text: a numbered block for each, its label, and differences from the initial state.
 
-    Commands are numbered from 0, as in the messages of ``UnsupportedState``. ``folded`` describes a few
-    commands that repeat, for polygon after polygon, once, with the number of repetitions.
+    Commands are numbered from 0, as in the messages of ``UnsupportedState``. With ``folded``, a few commands
+    that repeat, such as those for each polygon, are described once, with the number of repetitions.
     """
     blocks, commands, number = [], with_draws(commands), 0
     names = [(type(c), re.sub(r"\d+", "", c.label)) for c in commands] if folded else []

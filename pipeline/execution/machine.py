@@ -216,16 +216,16 @@ class Machine:
     def run(
         self, commands: Iterable[Command | MultiDraw], *, trace: bool | Watch = False, record: bool = False
     ) -> Result:
-        """Validate and run ``commands``; returns a Result.
+        """Validate and run ``commands``. Returns a Result.
 
-        - ``trace``: True keeps the framebuffer after every command. A Watch is called after each command
-          instead.
-        - ``record``: keep every Draw's fragments.
+        - ``trace``: True stores a copy of the framebuffer after every command. A Watch is called after each
+          command instead.
+        - ``record``: whether to store every Draw's fragments.
 
         Raises ``UnsupportedState`` or ValueError before anything is drawn; for the commands that a HostStep
         issues, before any of these is drawn.
         """
-        # Only with these is a MultiDraw more than its Draws: nobody looks at one of them.
+        # A MultiDraw is drawn as a whole only if nothing needs the result of a single Draw.
         together = not (trace or record or self._samples or self.engine) and self.observer is unobserved
         commands = commands_of(commands) if together else frame_of(commands)
         if record and self._samples:
@@ -544,10 +544,10 @@ def execute(
     samples: int | None = None,
     color_bits: int | None = None,
 ) -> Result:
-    """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
+    """Run ``commands`` on a new machine. Returns a Result. ``Machine`` describes the parameters.
 
-    Raises ``UnsupportedState`` for what the profile cannot hold, and ValueError for what has no meaning on
-    any machine. Both come before anything is drawn.
+    Raises ``UnsupportedState`` for a command that the profile cannot execute, and ValueError for one without
+    a meaning on any machine. Both are raised before anything is drawn.
     """
     batch = BATCH if batch is None else batch
     machine = Machine(

@@ -95,14 +95,14 @@ class Pictured:
         raise NotImplementedError
 
     def deep_image(self) -> NDArray[np.uint8 | np.uint16]:
-        """``image()``, or, where a component has more than 8 bits, the picture as uint16, 65535 = full."""
+        """``image()``, or, if a component has more than 8 bits, the picture as uint16, 65535 = full."""
         return self.image()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the picture as a PNG file, top row first, without the alpha of ``image()`` (see ``png``).
 
-        The file has 16 bits a component where the machine has more than 8. Raises ValueError when the name
-        does not end in .png, OSError when the file cannot be written.
+        The file has 16 bits a component if the machine has more than 8. Raises ValueError if the name does
+        not end in .png, and OSError if the file cannot be written.
         """
         path = Path(path)
         if path.suffix.lower() != ".png":
@@ -111,16 +111,16 @@ class Pictured:
         path.write_bytes(png(self.deep_image()))
 
     def _repr_png_(self) -> bytes | None:
-        """The PNG bytes that a notebook shows, those of ``save``; None where there is no picture."""
+        """The PNG bytes that a notebook shows, those of ``save``; None if there is no picture."""
         return png(self.deep_image())
 
 
-MOST_TIMES = 16  # so much larger ``beside`` shows a pixel, or a slip of the hand would fill the memory
+MOST_TIMES = 16  # the largest ``times`` of ``beside``; a typing error could otherwise fill the memory
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Together(Pictured):
-    """Several pictures as one, as ``beside`` and ``above`` make it.
+    """Several pictures as one, made by ``beside`` and ``above``.
 
     pixels  uint8 [h, w, 4], top row first, alpha 255
     """
@@ -128,7 +128,7 @@ class Together(Pictured):
     pixels: NDArray[np.uint8]
 
     def image(self) -> NDArray[np.uint8]:
-        """``pixels``."""
+        """The picture: ``pixels``."""
         return self.pixels
 
     def __repr__(self) -> str:
@@ -137,20 +137,19 @@ class Together(Pictured):
 
 
 def beside(*pictures: Pictured | NDArray[Any], times: int = 1) -> Together:
-    """Pictures of one height beside each other, the first on the left, as bytes: what a notebook shows of
-    them.
+    """Put pictures of the same height side by side, the first on the left. A notebook shows the result.
 
-    pictures  what has a picture, or an array [h, w, 3 or 4], top row first, whose alpha is not shown: uint8,
-              or floats, 1.0 = full, which are clamped to [0, 1] and go to the nearest byte
-    times     a pixel is shown as a square of so many to an edge, 1 to 16
+    pictures  an object with a picture, or an array [h, w, 3 or 4], top row first, whose alpha is ignored:
+              uint8, or floats, 1.0 = full, which are clamped to [0, 1] and rounded to the nearest byte
+    times     each pixel becomes a square with an edge of so many pixels, 1 to 16
 
-    Raises ValueError where there is none, for another height, for another array, and for other ``times``.
+    Raises ValueError if there is no picture, for different heights, another array, and other ``times``.
     """
     return _joined(pictures, 1, times)
 
 
 def above(*pictures: Pictured | NDArray[Any], times: int = 1) -> Together:
-    """Pictures of one width above each other, the first at the top: as ``beside``, of widths, not heights."""
+    """Put pictures of the same width below each other, the first at the top. Otherwise as ``beside``."""
     return _joined(pictures, 0, times)
 
 

@@ -88,7 +88,7 @@ class Result(Pictured):
     minmaxes: dict[str, MinmaxTable]
 
     def __repr__(self) -> str:
-        """What it is, and not its arrays."""
+        """A short description, without its arrays."""
         height, width = self.framebuffer.color.shape[:2]
         return f"<a frame on {self.profile.name}, {width}x{height} pixels>"
 
@@ -107,7 +107,7 @@ class Result(Pictured):
     def codes(self) -> NDArray[np.int32]:
         """The framebuffer's colours at their own width, int32 [h, w, 4], top row first, in 0 .. 2**bits - 1.
 
-        They are clamped also where the machine does not clamp.
+        They are clamped even if the machine does not clamp.
         """
         return np.clip(self.framebuffer.color, 0, 2**self.bits - 1).astype(np.int32)
 

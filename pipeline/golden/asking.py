@@ -199,7 +199,8 @@ class Golden:
                 key = variant_key(f"{test}::{next(numbers)}", variant)
         elif key in self.asked:
             raise ValueError(
-                f"{test} has two pictures named {name!r}; give each a name of its own: golden(picture, name=…)."
+                f"{test} has two pictures named {name!r}; give each a name of its own: golden(picture, "
+                "name=…)."
             )
         self.asked[key] = MISSING  # until the picture is judged
         return key

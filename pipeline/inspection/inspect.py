@@ -28,22 +28,22 @@ def inspect(
     Parameters
     ----------
     commands, profile, width, height, **machine
-        As ``execute`` takes them.
+        The parameters of ``execute``.
     pixel : tuple of int
         (x, y), counted from the top left as in a picture, y downwards.
     surface : str or None
         A pbuffer; None: the window.
     ideal : tuple of commands or None
-        The commands that the ideal evaluates beside the machine; None: the same.
+        The commands that the ideal evaluates for comparison; None: ``commands``.
 
     Raises
     ------
     UnsupportedState, ValueError
         As ``execute`` does; ValueError for a pixel outside.
     AssertionError
-        If the pixel, drawn again, differs from the frame's: a fault of this project.
+        If the pixel, drawn again, differs from the frame's. This is an error in this project.
 
-    For several pixels of a frame, ``record`` and ``record_ideal`` it once, then call ``history`` for each.
+    For several pixels of a frame, call ``record`` and ``record_ideal`` once, and ``history`` for each pixel.
     """
     commands = frame_of(commands)
     frame = record(commands, profile, width, height, **machine)
@@ -59,7 +59,7 @@ def history(
     surface: str | None = None,
     ideal: RecordedIdeal | None = None,
 ) -> PixelHistory:
-    """The PixelHistory of a pixel of a frame that has run, beside its ``ideal``. See ``inspect``."""
+    """The PixelHistory of a pixel of a frame that has run, compared with its ``ideal``. See ``inspect``."""
     x, y = pixel
     replayed, touched = ReplayedPixel(frame, x, y, surface), []
     beside = None if ideal is None else IdealPixel(ideal, x, y)

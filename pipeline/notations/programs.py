@@ -40,11 +40,11 @@ _SECOND_HEADER = re.compile(r"^[ \t]*!!(?:TS|RC)1\.0", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Program:
-    """What a text of ``parse_program`` holds, as states for a PassState.
+    """The contents of a program's text, as states for a PassState. ``parse_program`` makes it.
 
     - ``notations``: the headers, in order.
-    - ``texture_shader``: None where the text has none; each unit then samples its bound texture.
-    - ``combiners``: None where it has texture shaders alone.
+    - ``texture_shader``: None if the text has none; each unit then samples its bound texture.
+    - ``combiners``: None if the text has only texture shaders.
     - ``targets``: the target of the texture that each unit's stage reads, or None.
     - ``constants``: the places of a pixel shader's constant registers.
     - ``colors``: {number: color} of these constants, from the text or from the application.
@@ -80,7 +80,7 @@ def parse_program(
     per_stage_constants: bool = True,
     draw: int | None = None,
 ) -> Program:
-    """The Program that a text holds.
+    """Read a text. Returns its Program.
 
     - ``targets``: {unit: TextureTarget} of the bound textures, for a pixel shader.
     - ``constants``: {number: color} that the application sets, for a pixel shader.

@@ -1,10 +1,10 @@
-"""OpenGL 1.0 to 1.5 as calls: a ``Context`` takes entry points and gives commands.
+"""OpenGL 1.0 to 1.5 as calls: a ``Context`` takes OpenGL's calls and makes commands.
 
-``Context(profile, width, height)`` has OpenGL's entry points as methods. Nothing is drawn here: what an
-application asks for becomes ``Draw``, ``TexImage`` and the other commands, which a ``Machine`` runs.
+``Context(profile, width, height)`` has OpenGL's entry points as methods. It draws nothing. An application's
+calls become ``Draw``, ``TexImage`` and other commands, which a ``Machine`` runs.
 """
 
-# Each of these modules enters its own calls into the table of entry points, and declares its own state.
+# Each of these modules adds its calls to the table of entry points, and declares its state.
 from fixedpipe.pipeline.opengl import (  # noqa: F401
     arb_vertex_programs,
     array_draws,

@@ -1,7 +1,7 @@
-"""What a program of ARB_vertex_program may read of OpenGL's state: a binding's rows, and their numbers.
+"""The OpenGL state that a program of ARB_vertex_program may read: the rows of a binding, and their numbers.
 
-``rows`` says which rows of four numbers a binding such as ``state.matrix.mvp.row[0..2]`` names. ``numbers``
-gives a row's present value. Source: ARB_vertex_program, "Program Parameters".
+``rows`` returns the rows of four numbers that a binding such as ``state.matrix.mvp.row[0..2]`` names.
+``numbers`` returns a row's present value. Source: ARB_vertex_program, "Program Parameters".
 """
 
 import re
@@ -14,14 +14,14 @@ from fixedpipe.pipeline.opengl.lighting import CLIP_PLANES, LIGHTS, settle_mater
 from fixedpipe.pipeline.opengl.matrices import top
 from fixedpipe.pipeline.opengl.outcomes import Refused
 
-# A row of four numbers: its kind, then the numbers and names that say which.
+# A row of four numbers: its kind, then the numbers and names that identify it.
 Row = tuple[Any, ...]
 
 _COLORS = ("ambient", "diffuse", "specular")
 _FACE = r"(?:\.(?P<face>front|back))?"
 _COLOR = rf"\.(?P<color>{'|'.join(_COLORS)})"
 _PLANES = {"s": 0, "t": 1, "r": 2, "q": 3}
-# Each kind of binding that is one row, as a pattern.
+# A pattern for each kind of binding that is one row.
 _SINGLE = {
     "material": re.compile(rf"material{_FACE}\.(?P<name>ambient|diffuse|specular|emission|shininess)"),
     "light": re.compile(
@@ -46,9 +46,9 @@ _LIMITS = {"light": LIGHTS, "product": LIGHTS, "clip": CLIP_PLANES, "texgen": 4}
 
 
 def rows(binding: str) -> list[Row]:
-    """The rows of a binding, without its ``state.``.
+    """The rows of a binding, given without its prefix ``state.``.
 
-    Raises ValueError for a text that is no binding, or none of what is here.
+    Raises ValueError for a text that is no binding, or that names a state which is not supported here.
     """
     if found := _MATRIX.fullmatch(binding):
         return _matrix_rows(found, binding)
@@ -76,7 +76,7 @@ def _matrix_rows(found, binding):
 
 
 def numbers(gl: Any, row: Row) -> tuple[float, ...]:
-    """The four numbers of a row. Raises Refused where a matrix has no inverse."""
+    """The four numbers of a row. Raises Refused if a matrix has no inverse."""
     kind, *which = row
     return tuple(map(float, _READ[kind](gl, *which)))
 

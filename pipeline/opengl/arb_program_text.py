@@ -1,8 +1,9 @@
-"""The text of an ARB_vertex_program as instructions of the NV20's transform unit.
+"""Assembles the text of an ARB_vertex_program to instructions of the NV20's transform unit.
 
-What that unit lacks is made of what it has, as a driver for it did: SUB of ADD, FLR and FRC of EXP, POW of
-LOG, MUL and EXP, XPD of MUL and MAD. Source: ARB_vertex_program; NV_vertex_program1_1. Which instructions
-NVIDIA's driver chose is Assumed; a dump of the unit's instructions would settle it.
+Instructions that the unit lacks are made from those that it has, as in a driver. SUB is made from ADD, FLR
+and FRC from EXP, POW from LOG, MUL and EXP, and XPD from MUL and MAD. Source: ARB_vertex_program;
+NV_vertex_program1_1. Assumed: these are the instructions that NVIDIA's driver chose; a dump of the unit's
+instructions would settle it.
 """
 
 import re
@@ -20,7 +21,7 @@ from fixedpipe.pipeline.vertices.vertex_programs import (
     VertexProgram,
 )
 
-# Source: ARB_vertex_program, the least that a context has of each.
+# Source: ARB_vertex_program, the minimum of each that a context has.
 _MOST_TEMPORARIES, _MOST_INSTRUCTIONS = 12, 128
 _HEADER = re.compile(r"\s*!!ARBvp1\.0(?=\s)(.*?)\bEND\s*\Z", re.DOTALL)
 _NAME = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
@@ -47,7 +48,7 @@ _RESULTS = {
     **{f"color{face}": "BFC0" for face in (".back", ".back.primary")},
     "color.back.secondary": "BFC1", "texcoord": "TEX0", **{f"texcoord[{n}]": f"TEX{n}" for n in range(4)},
 }  # fmt: skip
-# By name: how many operands, and whether each is one component.
+# By name: the number of operands, and whether each is one component.
 _SAME = {
     **dict.fromkeys(("MOV", "LIT", "ABS", "FLR", "FRC"), (1, False)),
     **dict.fromkeys(
@@ -58,7 +59,7 @@ _SAME = {
     "POW": (2, True),
 }
 _X, _Y, _Z, _ALL = (0,) * 4, (1,) * 4, (2,) * 4, (0, 1, 2, 3)
-# The unit's instruction and the component in which it leaves the precise result.
+# The unit's instruction, and the component of its result that is precise.
 _PRECISE = {"EX2": ("EXP", _Z), "LG2": ("LOG", _Z)}
 
 
@@ -67,8 +68,8 @@ class ArbProgram:
     """An assembled program.
 
     - ``program``: its instructions.
-    - ``rows``: what the constants are, in order.
-    - ``keeps_position``: whether it leaves the position to the fixed functions.
+    - ``rows``: the rows that are its constants, in order.
+    - ``keeps_position``: whether the fixed functions compute the position.
     """
 
     program: VertexProgram
@@ -77,7 +78,7 @@ class ArbProgram:
 
 
 def assembled(text: str) -> ArbProgram:
-    """The program of a text. Raises ValueError, which says what is wrong, for one that is none."""
+    """The program of a text. Raises ValueError for a wrong text; its message says what is wrong."""
     lines = "\n".join(line.partition("#")[0] for line in text.splitlines())
     found = _HEADER.match(lines)
     if found is None:
@@ -93,7 +94,7 @@ def assembled(text: str) -> ArbProgram:
 
 class _Assembler:
     def __init__(self):
-        # What each name is: ("v", number), ("c", first, count), ("R", number), ("A",) or ("o", name).
+        # The meaning of each name: ("v", number), ("c", first, count), ("R", number), ("A",) or ("o", name).
         self.names = {}
         self.rows, self.places = [], {}
         self.groups, self.temporaries, self.scratches, self.instructions = [], 0, 0, 0
@@ -166,7 +167,7 @@ class _Assembler:
 
     def _new_temporary(self):
         self.temporaries += 1
-        return TEMPORARIES + self.temporaries  # R12 reads the position
+        return TEMPORARIES + self.temporaries  # one more, because R12 reads the position
 
     def _parameter(self, text):
         name, _, binding = text.partition("=")
@@ -182,7 +183,7 @@ class _Assembler:
         rows = [row for part in _parts(binding[1:-1]) for row in self._rows(part)]
         if array[2] and int(array[2]) != len(rows):
             raise ValueError(f"{name} is given {len(rows)} rows")
-        first = len(self.rows)  # an array's rows stand together
+        first = len(self.rows)  # the rows of an array follow each other
         self.rows += rows
         self._declare(array[1], ("c", first, len(rows)))
 
@@ -203,7 +204,7 @@ class _Assembler:
         raise ValueError(f"{binding!r} is no parameter")
 
     def _place(self, row):
-        """The number of the constant that is a row."""
+        """The number of the constant that holds a row."""
         if row not in self.places:
             self.places[row] = len(self.rows)
             self.rows.append(row)
@@ -212,12 +213,12 @@ class _Assembler:
     # ------------------------------------------------------------------------------------------ operands
 
     def _register(self, text):
-        """What a text without swizzle is, as in ``names``; None: nothing."""
+        """The meaning of a text without swizzle, in the form of ``names``; None if it has none."""
         if text in self.names:
             return self.names[text]
         if text.startswith("vertex."):
             number = _ATTRIBUTES.get(text.removeprefix("vertex."))
-            # The interpreter's order has a point's size and back colours before the texture coordinates.
+            # In the interpreter's order, point size and back colours come before texture coordinates.
             return None if number is None else ("v", number if number < 8 else number - 8 + INPUTS["TEX0"])
         if text.startswith(("program.", "state.", "{")) or _SCALAR.fullmatch(text):
             rows = self._rows(text)
@@ -242,7 +243,7 @@ class _Assembler:
         return found
 
     def _operand(self, text, *, scalar=False, plain=False):
-        """An Operand. ``scalar``: with one component. ``plain``: without sign and swizzle."""
+        """An Operand. ``scalar``: it must name one component. ``plain``: it has no sign and no swizzle."""
         sign = text[:1] if text[:1] in ("+", "-") and not plain else ""
         body = text[len(sign) :]
         swizzle = None
@@ -298,7 +299,7 @@ class _Assembler:
         self.groups.append((Instruction(name, to[0], to[1], mask, operands),))
 
     def _scratch(self):
-        """A temporary of the assembler's own, and the operand that reads it."""
+        """A temporary for the assembler, and the operand that reads it."""
         self.scratches += 1
         number = TEMPORARIES + _MOST_TEMPORARIES + self.scratches
         return ("R", number), Operand("R", number, _ALL, False, False)
@@ -357,7 +358,7 @@ class _Assembler:
 
 
 def _parts(text):
-    """A list cut at the commas that stand in no braces."""
+    """The parts of a list, split at commas outside braces."""
     return re.split(r",(?![^{]*\})", text)
 
 
@@ -366,5 +367,5 @@ def _negative(operand):
 
 
 def _turned(operand, components):
-    """An operand whose components are taken in another order."""
+    """An operand with its components in another order."""
     return replace(operand, swizzle=tuple(operand.swizzle[component] for component in components))

@@ -1,4 +1,4 @@
-"""ARB_vertex_program's own calls: a program's text, and its environment and local parameters."""
+"""The calls of ARB_vertex_program for a program's text, and for environment and local parameters."""
 
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.arb_program_text import assembled
@@ -14,14 +14,14 @@ from fixedpipe.pipeline.opengl.vertex_program_objects import (
 
 @entry("ProgramString", compiled=False)
 def program_string(gl, target, form, length, text):
-    """Give the bound program its text."""
+    """Set the text of the bound program."""
     check_target(target)
     if form != tokens.PROGRAM_FORMAT_ASCII_ARB:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(form)} is no format of a program")
     give_text(gl, gl.values["vertex program"], length, text, assembled)
 
 
-# A recorded program has its driver's answers.
+# A recorded program already has the answers of its driver.
 no_effect(
     *("GetProgramivARB", "GetProgramStringARB"),
     *[f"GetProgram{kind}Parameter{suffix}v" for kind in ("Env", "Local") for suffix in "fd"],

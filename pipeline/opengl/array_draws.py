@@ -1,6 +1,6 @@
 """Draws from vertex arrays (OpenGL 1.2.1 section 2.8).
 
-After a draw OpenGL leaves the current values of enabled arrays undefined; here they stay as they were.
+In OpenGL the current values of enabled arrays are undefined after a draw; here they do not change.
 ArrayElement sets them, as the specification says.
 """
 
@@ -34,7 +34,7 @@ from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.meshes import make_mesh
 from fixedpipe.pipeline.opengl.outcomes import GLError, LeftOut, Refused
 
-# A draw of more is refused: its columns would take gigabytes.
+# A draw of more vertices is refused, because its columns would take gigabytes.
 MAX_VERTICES = 1 << 24
 _INDEX_TYPES = {tokens.UNSIGNED_BYTE, tokens.UNSIGNED_SHORT, tokens.UNSIGNED_INT}
 
@@ -54,13 +54,13 @@ class Elements(NamedTuple):
 
 
 def _taken(gl, first, count, indices=None):
-    """The elements of a draw that is made now. In a display list they are dereferenced now (section 5.4)."""
+    """The elements of a draw that is called now. For a display list they are read now (section 5.4)."""
     elements = Elements(gl.arrays.read(), first, count, indices)
     return elements if gl.list is None else elements.frozen()
 
 
 def _indices(gl, type_, pointer):
-    """Indices by what DrawElements is given. Raises GLError."""
+    """The Indices for the arguments of DrawElements. Raises GLError."""
     if type_ not in _INDEX_TYPES:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(type_)} is no type of indices")
     if pointer is None or isinstance(pointer, int):
@@ -90,7 +90,7 @@ def _draw_elements(gl, mode, elements: Elements):
 
 
 def _columns(gl, arrays) -> Iterator[ArrayPointer | tuple[Kind, Any]]:
-    """What the state reads of each vertex: an array, or a kind and the current value of all vertices."""
+    """The columns that the state reads: an array, or a kind and the current value for all vertices."""
     needs, now = columns_read(gl), gl.current
     yield arrays["positions"]
     yield arrays.get("colors") or ("colors", now.color)
@@ -109,7 +109,7 @@ def _columns(gl, arrays) -> Iterator[ArrayPointer | tuple[Kind, Any]]:
 
 
 def _mesh_of(primitive, elements: Elements, columns: Iterable[ArrayPointer | tuple[Kind, Any]]) -> Mesh:
-    """The Mesh of elements. Raises Refused, and LeftOut for what is no number."""
+    """The Mesh of elements. Raises Refused, and LeftOut if a value is infinite or NaN."""
     first, count, rows, indices = elements.first, elements.count, None, None
     if elements.indices is not None:
         if count > MAX_VERTICES:
@@ -118,7 +118,7 @@ def _mesh_of(primitive, elements: Elements, columns: Iterable[ArrayPointer | tup
         first, last = int(indices.min()), int(indices.max())
         count = last - first + 1
         indices -= first
-        if count > 4 * len(indices):  # few of many: only those that are drawn
+        if count > 4 * len(indices):  # few of many vertices are drawn, so only these are read
             rows, indices = np.unique(indices, return_inverse=True)
     vertices = count if rows is None else len(rows)
     if vertices > MAX_VERTICES:
@@ -165,7 +165,7 @@ def _capture_range(gl, mode, start, end, count, type_, indices):
 
 @entry("DrawRangeElements", capture=_capture_range)
 def draw_range_elements(gl, mode, elements):
-    """Draw elements by their indices, which the program says lie in a range. It is not checked."""
+    """Draw elements by their indices. The program states a range for them, which is not checked."""
     _draw_elements(gl, mode, elements)
 
 
@@ -183,7 +183,7 @@ def _capture_multi_elements(gl, mode, counts, type_, pointers, number):
 
 
 def _draw_several(gl, mode, several):
-    """Draw several times. What one is refused for does not keep the others from being drawn."""
+    """Draw several times. If one draw is refused, the others are still drawn."""
     for elements in several:
         try:
             _draw_elements(gl, mode, elements)
@@ -195,13 +195,13 @@ def _draw_several(gl, mode, several):
 
 @entry("MultiDrawArrays", capture=_capture_multi_arrays)
 def multi_draw_arrays(gl, mode, several):
-    """DrawArrays, several times (EXT_multi_draw_arrays)."""
+    """Several calls of DrawArrays as one (EXT_multi_draw_arrays)."""
     _draw_several(gl, mode, several)
 
 
 @entry("MultiDrawElements", capture=_capture_multi_elements)
 def multi_draw_elements(gl, mode, several):
-    """DrawElements, several times (EXT_multi_draw_arrays)."""
+    """Several calls of DrawElements as one (EXT_multi_draw_arrays)."""
     _draw_several(gl, mode, several)
 
 
@@ -209,7 +209,7 @@ def multi_draw_elements(gl, mode, several):
 
 
 def _capture_element(gl, index):
-    """The values of an element of each enabled array, the position last."""
+    """The values of an element in each enabled array, with the position last."""
     if index < 0:
         raise GLError(tokens.INVALID_VALUE)
     arrays = gl.arrays.read()
@@ -217,7 +217,7 @@ def _capture_element(gl, index):
     order = [array for kind, array in arrays.items() if name_of_kind(kind) in _SETTERS]
     order += [] if position is None else [position]
     for array in order:
-        memory_key(None, array.buffer)  # a mapped buffer is an error
+        memory_key(None, array.buffer)  # raises GLError for a mapped buffer
     return (tuple([(array.kind, array.read(index, 1)[0].tolist()) for array in order]),)
 
 
@@ -235,7 +235,7 @@ _SETTERS = {
 
 @entry("ArrayElement", inside=True, capture=_capture_element)
 def array_element(gl, values):
-    """Set current values from an element of each enabled array, and then give its position as a vertex."""
+    """Set current values from an element of each enabled array, and then add a vertex at its position."""
     for kind, value in values:
         if isinstance(kind, tuple):
             set_coordinates(gl, kind[1], value)

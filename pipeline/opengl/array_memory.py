@@ -1,4 +1,4 @@
-"""Where vertex arrays and indices lie, and how their elements are read (OpenGL 1.2.1 section 2.8)."""
+"""The memory of vertex arrays and indices, and how their elements are read (OpenGL 1.2.1 section 2.8)."""
 
 from collections.abc import Hashable
 from functools import singledispatch
@@ -11,7 +11,7 @@ from fixedpipe.pipeline.opengl.buffers import Buffer, as_memory
 from fixedpipe.pipeline.opengl.current import filled
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 
-# A column's name among a Mesh's arguments; of texture coordinates with the set.
+# The name of a column among a Mesh's arguments. For texture coordinates: (name, number of the set).
 Kind = str | tuple[str, int]
 
 TEXTURE = "texture_coordinates"
@@ -26,7 +26,7 @@ DTYPES = {
     tokens.FLOAT: np.dtype("<f4"),
     tokens.DOUBLE: np.dtype("<f8"),
 }
-# Columns whose integers are fractions (table 2.6), and columns of one number a vertex.
+# Columns whose integers are fractions (table 2.6), and columns with one number for each vertex.
 FRACTIONS = frozenset({"normals", "colors", "secondary_colors"})
 _SINGLE = frozenset({"fog_coordinates", "edge_flags", "weights"})
 _WORDS = {
@@ -42,16 +42,16 @@ _WORDS = {
 
 
 def name_of_kind(kind: Kind) -> str:
-    """The name of a Mesh's argument."""
+    """The name of the Mesh's argument for a kind."""
     return kind if isinstance(kind, str) else kind[0]
 
 
 class ArrayPointer(NamedTuple):
-    """Where an array lies, and how.
+    """The place and layout of an array.
 
-    - ``size``, ``type``, ``stride``, ``pointer``: as they were given.
-    - ``memory``: client memory, as bytes or uint8 [n]; None where a buffer has the array, or nothing.
-    - ``offset``: of element 0 from the beginning of ``memory``, or of ``buffer``.
+    - ``size``, ``type``, ``stride``, ``pointer``: the arguments of the call.
+    - ``memory``: client memory, as bytes or uint8 [n]; None if a buffer holds the array, or nothing does.
+    - ``offset``: the offset of element 0 in bytes, from the beginning of ``memory`` or of ``buffer``.
     """
 
     kind: Kind
@@ -64,17 +64,17 @@ class ArrayPointer(NamedTuple):
     buffer: Buffer | None
 
     def key(self) -> tuple[Hashable, ...]:
-        """What stands for the array's contents in a key of a Mesh."""
+        """The part of a Mesh's key that identifies the array's contents. Raises GLError."""
         return *self[:4], self.offset, memory_key(self.memory, self.buffer)
 
     def frozen(self) -> "ArrayPointer":
-        """The same array, whose contents nobody can change."""
+        """The same array with a copy of its contents, which no call can change."""
         return self._replace(memory=_frozen(self.memory, self.buffer), buffer=None)
 
     def read(self, first: int, count: int, rows: np.ndarray | None = None) -> np.ndarray:
-        """Elements as a Mesh's column, of float64 or bool: ``count`` from ``first``, of them ``rows``.
+        """Elements as a Mesh's column, float64 or bool: ``count`` from ``first`` on, or ``rows`` of them.
 
-        Raises Refused where the memory does not reach so far.
+        Raises Refused if the memory is too short.
         """
         name, dtype = name_of_kind(self.kind), DTYPES[self.type]
         size = 4 if self.size == tokens.BGRA else self.size
@@ -103,7 +103,7 @@ class ArrayPointer(NamedTuple):
 
 
 def memory_key(memory: Any, buffer: Buffer | None) -> Hashable:
-    """What stands for contents in a key of a Mesh. Raises GLError for a mapped buffer."""
+    """A value that identifies contents in a key of a Mesh. Raises GLError for a mapped buffer."""
     if buffer is None:
         return memory if isinstance(memory, bytes) or memory is None else memory.tobytes()
     if buffer.mapped:
@@ -123,7 +123,7 @@ def _frozen(memory, buffer):
 
 @singledispatch
 def client_memory(given: Any, dtype: np.dtype, packed: bool) -> bytes | np.ndarray | None:
-    """Client memory as bytes or uint8 [n], or None; ``packed``: whether elements lie side by side."""
+    """Client memory as bytes or uint8 [n], or None. ``packed``: whether elements follow without gaps."""
     return as_memory(given)
 
 
@@ -140,14 +140,14 @@ def _listed_memory(given, dtype, packed):
 
 @client_memory.register(np.ndarray)
 def _array_memory(given, dtype, packed):
-    numbers = given.dtype.kind in "iuf" and given.itemsize > 1  # others are bytes
+    numbers = given.dtype.kind in "iuf" and given.itemsize > 1  # other arrays are taken as bytes
     if packed and numbers and given.dtype != dtype:
         raise Refused(f"the array holds {given.dtype}, where {dtype} are read")
     return as_memory(given)
 
 
 class Indices(NamedTuple):
-    """Where the indices of a draw lie; the fields are ArrayPointer's."""
+    """The place of the indices of a draw. The fields have the same meaning as in ArrayPointer."""
 
     type: int
     memory: Any
@@ -155,15 +155,15 @@ class Indices(NamedTuple):
     buffer: Buffer | None
 
     def key(self) -> tuple[Hashable, ...]:
-        """What stands for the indices in a key of a Mesh."""
+        """The part of a Mesh's key that identifies the indices. Raises GLError."""
         return self.type, self.offset, memory_key(self.memory, self.buffer)
 
     def frozen(self) -> "Indices":
-        """The same indices, which nobody can change."""
+        """The same indices as a copy, which no call can change."""
         return self._replace(memory=_frozen(self.memory, self.buffer), buffer=None)
 
     def read(self, count: int) -> np.ndarray:
-        """The first ``count`` indices, int64. Raises Refused where the memory does not reach so far."""
+        """The first ``count`` indices, int64. Raises Refused if the memory is too short."""
         dtype, memory = DTYPES[self.type], _readable(self.memory, self.buffer)
         if memory is None:
             raise Refused("its indices have no data")

@@ -1,4 +1,4 @@
-"""The client state of vertex arrays (OpenGL 1.2.1 section 2.8): where they lie, and which are enabled."""
+"""The client state of vertex arrays (OpenGL 1.2.1 section 2.8): their pointers, and which are enabled."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ _KINDS: dict[int, Kind] = {
     tokens.EDGE_FLAG_ARRAY: "edge_flags",
     tokens.VERTEX_WEIGHT_ARRAY_EXT: "weights",
     tokens.INDEX_ARRAY: "color_indices",  # kept, and never read: there are no colour-index windows here
-    # NV_vertex_array_range says how memory is fetched, not what is drawn.
+    # NV_vertex_array_range changes how memory is fetched, and not what is drawn.
     tokens.VERTEX_ARRAY_RANGE_NV: "vertex_array_range",
     tokens.VERTEX_ARRAY_RANGE_WITHOUT_FLUSH_NV: "vertex_array_range_without_flush",
 }
@@ -38,7 +38,7 @@ _ATTRIBUTE_ARRAYS: dict[int, Kind] = dict(
 )
 _ATTRIBUTE_ARRAYS |= {8 + unit: (TEXTURE, unit) for unit in range(COORDINATE_SETS)}
 _KINDS |= {tokens.VERTEX_ATTRIB_ARRAY0_NV + number: kind for number, kind in _ATTRIBUTE_ARRAYS.items()}
-# What EnableClientState takes; Enable takes it too (EXT_vertex_array).
+# The tokens of EnableClientState. Enable takes them too (EXT_vertex_array).
 ARRAYS = frozenset({*_KINDS, tokens.TEXTURE_COORD_ARRAY})
 
 _REALS = {tokens.FLOAT, tokens.DOUBLE}
@@ -58,7 +58,7 @@ _ALLOWED: dict[str, tuple[tuple[int, ...], set[int]]] = {
 
 
 def initial_pointers() -> dict[Kind, ArrayPointer]:
-    """Of each kind of array, where it lies initially: nowhere (table 6.6)."""
+    """The initial pointer of each kind of array: it has no memory (table 6.6)."""
     initial: dict[Kind, int] = {"positions": 4, "normals": 3, "colors": 4, "secondary_colors": 3}
     initial |= dict.fromkeys(("color_indices", "fog_coordinates", "edge_flags", "weights"), 1)
     initial |= {(TEXTURE, unit): 4 for unit in range(COORDINATE_SETS)}
@@ -70,13 +70,14 @@ def initial_pointers() -> dict[Kind, ArrayPointer]:
 class ClientArrays:
     """The client state of vertex arrays.
 
-    - ``pointers``: of each kind of array, the last one given.
+    - ``pointers``: the last pointer for each kind of array.
     - ``enabled``: the kinds of enabled arrays.
     - ``unit``: the coordinate set that TexCoordPointer sets (ClientActiveTexture).
     - ``locked``: (first, count) of LockArrays, or None.
-    - ``bound``: the vertex array object whose pointers and enables these are; 0: none.
-    - ``objects``: the state of the others by name; of the bound one, what it was before. None: not yet.
-    - ``names``: those that are taken; ``of_buffers``: of objects whose arrays lie in buffers alone.
+    - ``bound``: the vertex array object that has these pointers and enables; 0: none.
+    - ``objects``: the state of the other objects by name; None: it was never set. The bound object has an
+      earlier state there.
+    - ``names``: the names in use; ``of_buffers``: the names of objects whose arrays must be in buffers.
     """
 
     def __init__(self):
@@ -90,11 +91,11 @@ class ClientArrays:
         self.of_buffers: set[int] = set()
 
     def values(self) -> tuple[Any, ...]:
-        """What PushClientAttrib keeps: all but the objects that are not bound."""
+        """The state that PushClientAttrib saves: all but the objects that are not bound."""
         return dict(self.pointers), frozenset(self.enabled), self.unit, self.locked
 
     def restore(self, values: tuple[Any, ...]) -> None:
-        """Set it, as ``values`` gave it, in the object that is bound."""
+        """Set the state that ``values`` returned, in the bound object."""
         pointers, enabled, self.unit, self.locked = values
         self.pointers, self.enabled = dict(pointers), set(enabled)
 
@@ -140,7 +141,7 @@ def disable_client_state(gl, token):
 
 @entry("ClientActiveTexture", compiled=False)
 def client_active_texture(gl, texture):
-    """Choose the coordinate set of TexCoordPointer (ARB_multitexture)."""
+    """Choose the coordinate set that TexCoordPointer sets (ARB_multitexture)."""
     gl.arrays.unit = texture_unit_number(texture)
 
 
@@ -148,7 +149,7 @@ def client_active_texture(gl, texture):
 
 
 def _set_pointer(gl, kind, size, type_, stride, pointer, offset=0):
-    """Set where an array lies. ``offset``: of its first element from what ``pointer`` names."""
+    """Set the pointer of an array. ``offset``: of its first element, in bytes from ``pointer``."""
     sizes, types = _ALLOWED[name_of_kind(kind)]
     bgra = size == tokens.BGRA and kind in ("colors", "secondary_colors") and type_ == tokens.UNSIGNED_BYTE
     if size not in sizes and not bgra:
@@ -168,60 +169,60 @@ def _set_pointer(gl, kind, size, type_, stride, pointer, offset=0):
 
 @entry("VertexPointer", compiled=False)
 def vertex_pointer(gl, size, type_, stride, pointer):
-    """Where positions lie."""
+    """Set the pointer to positions."""
     _set_pointer(gl, "positions", size, type_, stride, pointer)
 
 
 @entry("NormalPointer", compiled=False)
 def normal_pointer(gl, type_, stride, pointer):
-    """Where normals lie."""
+    """Set the pointer to normals."""
     _set_pointer(gl, "normals", 3, type_, stride, pointer)
 
 
 @entry("ColorPointer", compiled=False)
 def color_pointer(gl, size, type_, stride, pointer):
-    """Where colours lie; a size of BGRA is four bytes, blue first (EXT_vertex_array_bgra)."""
+    """Set the pointer to colours. The size BGRA means four bytes, blue first (EXT_vertex_array_bgra)."""
     _set_pointer(gl, "colors", size, type_, stride, pointer)
 
 
 @entry("SecondaryColorPointer", compiled=False)
 def secondary_color_pointer(gl, size, type_, stride, pointer):
-    """Where secondary colours lie (EXT_secondary_color)."""
+    """Set the pointer to secondary colours (EXT_secondary_color)."""
     _set_pointer(gl, "secondary_colors", size, type_, stride, pointer)
 
 
 @entry("IndexPointer", compiled=False)
 def index_pointer(gl, type_, stride, pointer):
-    """Where colour indices lie. Nothing reads them."""
+    """Set the pointer to colour indices. Nothing reads them."""
     _set_pointer(gl, "color_indices", 1, type_, stride, pointer)
 
 
 @entry("FogCoordPointer", compiled=False)
 def fog_coordinate_pointer(gl, type_, stride, pointer):
-    """Where fog coordinates lie (EXT_fog_coord)."""
+    """Set the pointer to fog coordinates (EXT_fog_coord)."""
     _set_pointer(gl, "fog_coordinates", 1, type_, stride, pointer)
 
 
 @entry("EdgeFlagPointer", compiled=False)
 def edge_flag_pointer(gl, stride, pointer):
-    """Where edge flags lie."""
+    """Set the pointer to edge flags."""
     _set_pointer(gl, "edge_flags", 1, tokens.UNSIGNED_BYTE, stride, pointer)
 
 
 @entry("TexCoordPointer", compiled=False)
 def texture_coordinate_pointer(gl, size, type_, stride, pointer):
-    """Where the coordinates of the client's active set lie."""
+    """Set the pointer to texture coordinates of the client's active set."""
     _set_pointer(gl, (TEXTURE, gl.arrays.unit), size, type_, stride, pointer)
 
 
 @entry("VertexWeightPointer", compiled=False)
 def vertex_weight_pointer(gl, size, type_, stride, pointer):
-    """Where weights lie (EXT_vertex_weighting)."""
+    """Set the pointer to weights (EXT_vertex_weighting)."""
     _set_pointer(gl, "weights", size, type_, stride, pointer)
 
 
 def _attribute_kind(number):
-    """The array of a vertex attribute. Raises Refused, and GLError."""
+    """The kind of array of a vertex attribute. Raises Refused and GLError."""
     if not 0 <= number < 8 + COORDINATE_SETS:
         raise GLError(tokens.INVALID_VALUE, f"{number} is no vertex attribute")
     kind = _ATTRIBUTE_ARRAYS.get(number)
@@ -232,7 +233,7 @@ def _attribute_kind(number):
 
 @entry("VertexAttribPointerNV", compiled=False)
 def attribute_pointer(gl, number, size, type_, stride, pointer):
-    """Where a vertex attribute lies: the conventional array of its number."""
+    """Set the pointer to a vertex attribute: it is the conventional array of the same number."""
     kind = _attribute_kind(number)
     sizes, types = _ALLOWED[name_of_kind(kind)]
     if size not in sizes or type_ not in types:
@@ -243,9 +244,9 @@ def attribute_pointer(gl, number, size, type_, stride, pointer):
 
 @entry("VertexAttribPointer", compiled=False)
 def generic_attribute_pointer(gl, number, size, type_, normalized, stride, pointer):
-    """Where a vertex attribute lies (ARB_vertex_program): the conventional array of its number.
+    """Set the pointer to a vertex attribute (ARB_vertex_program): the conventional array of the same number.
 
-    Integers become fractions where ``normalized`` says so; it must say what that array does with them.
+    ``normalized``: whether integers become fractions. It must agree with the conventional array.
     """
     kind = _attribute_kind(number)
     are_fractions = name_of_kind(kind) in FRACTIONS
@@ -268,7 +269,7 @@ def disable_attribute_array(gl, number):
 
 
 def _register_with_counts():
-    """EXT_vertex_array's own calls, which say how many elements do not change between draws."""
+    """Register the calls of EXT_vertex_array. They also say how many elements do not change between draws."""
     kinds = ("Vertex", "Normal", "Color", "Index", "TexCoord", "EdgeFlag")
     handlers = (
         *(vertex_pointer, normal_pointer, color_pointer),
@@ -306,7 +307,7 @@ _INTERLEAVED = {
     tokens.T2F_C4F_N3F_V3F: "t2 c4 n3 v3",
     tokens.T4F_C4F_N3F_V4F: "t4 c4 n3 v4",
 }
-# Arrays that a format disables unless it has them (OpenGL 1.4 names the last two).
+# Arrays that InterleavedArrays disables if the format lacks them (OpenGL 1.4 names the last two).
 _DISABLED = {"normals", "colors", "edge_flags", "color_indices", "secondary_colors", "fog_coordinates"}
 _LETTERS = {"v": "positions", "n": "normals", "c": "colors", "b": "colors"}
 
@@ -334,7 +335,7 @@ def interleaved_arrays(gl, layout, stride, pointer):
 
 @entry("LockArrays", compiled=False)
 def lock_arrays(gl, first, count):
-    """Promise that arrays stay as they are (EXT_compiled_vertex_array). Draws read them anyway."""
+    """Promise that arrays do not change (EXT_compiled_vertex_array). Draws still read them each time."""
     if gl.arrays.locked is not None:
         raise GLError(tokens.INVALID_OPERATION, "the arrays are locked already")
     if first < 0 or count <= 0:

@@ -1,7 +1,7 @@
 """PushAttrib, PopAttrib and the client's two groups (OpenGL 1.2.1 section 6.1.9, tables 6.5 to 6.19).
 
-A group is the values that were declared with its bit. What is not kept as values stands in two tables:
-current values and textures' parameters, and the client's arrays.
+A group consists of the values that were declared with its bit. Two tables handle the state that is not stored
+as values: current values and textures' parameters, and the client's arrays.
 """
 
 from functools import lru_cache
@@ -15,7 +15,7 @@ from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.values import VALUES, declare
 from fixedpipe.pipeline.opengl.vertex_array_objects import bind_object
 
-# Both stacks hold 16 groups (table 6.24), of which one more is a stack overflow.
+# Both stacks hold 16 groups (table 6.24). One more is a stack overflow.
 STACK_DEPTH = 16
 
 declare("attribute stack", ())
@@ -28,7 +28,7 @@ def _keys(mask):
     return tuple([key for key, value in VALUES.items() if value.groups & mask])
 
 
-# Of a server's group: what PushAttrib keeps beside values, and how PopAttrib sets it again.
+# For a server's group: functions that return, and set again, the state that is not stored as values.
 _BESIDE_VALUES = {
     tokens.CURRENT_BIT: (
         lambda gl: gl.current.values(),
@@ -54,13 +54,13 @@ def _restore_stores(gl, saved):
 def _restore_arrays(gl, saved):
     arrays, buffers, bound = saved
     if bound not in gl.arrays.objects:
-        return  # it was deleted, and is not made again
+        return  # the object was deleted, and is not made again
     bind_object(gl, bound)
     gl.arrays.restore(arrays)
     gl.buffers.restore(buffers)
 
 
-# Of a client's group, which has the buffers that are bound for it too (ARB_vertex_buffer_object).
+# For a client's group. It includes the buffers that are bound for it (ARB_vertex_buffer_object).
 _CLIENT_GROUPS = {
     tokens.CLIENT_PIXEL_STORE_BIT: (
         lambda gl: ([gl.values[key] for key in _STORES], gl.buffers.values(*_PIXEL_BUFFERS)),
@@ -100,7 +100,7 @@ def _saved(gl, groups, mask):
 
 @entry("PushAttrib")
 def push_attrib(gl, mask):
-    """Keep the groups of a mask."""
+    """Save the groups of a mask."""
     keys = _keys(mask & 0xFFFFFFFF)
     saved = tuple([gl.values[key] for key in keys])
     _push(gl, "attribute stack", (keys, saved, _saved(gl, _BESIDE_VALUES, mask)))
@@ -108,9 +108,9 @@ def push_attrib(gl, mask):
 
 @entry("PopAttrib")
 def pop_attrib(gl):
-    """Set again what the last PushAttrib kept."""
+    """Restore the groups that the last PushAttrib saved."""
     keys, saved, beside = _pop(gl, "attribute stack")
-    settle_materials(gl)  # the group of enables may end what colours follow, and has no materials
+    settle_materials(gl)  # the group of enables may end COLOR_MATERIAL, and does not contain materials
     for key, value in zip(keys, saved, strict=True):
         if key in NOTIFIED and gl.values[key] is not value:
             NOTIFIED[key](gl, value)
@@ -121,12 +121,12 @@ def pop_attrib(gl):
 
 @entry("PushClientAttrib", compiled=False)
 def push_client_attrib(gl, mask):
-    """Keep the client's groups of a mask."""
+    """Save the client's groups of a mask."""
     _push(gl, "client attribute stack", _saved(gl, _CLIENT_GROUPS, mask))
 
 
 @entry("PopClientAttrib", compiled=False)
 def pop_client_attrib(gl):
-    """Set again what the last PushClientAttrib kept."""
+    """Restore the groups that the last PushClientAttrib saved."""
     for restore, kept in _pop(gl, "client attribute stack"):
         restore(gl, kept)

@@ -1,7 +1,7 @@
 """Buffer objects (ARB_vertex_buffer_object, ARB_pixel_buffer_object): memory that OpenGL holds.
 
-A program writes a mapped buffer behind OpenGL's back. apitrace records that as calls of memcpy, which this
-module answers too.
+A program writes into a mapped buffer without a call of OpenGL. apitrace records this as calls of memcpy,
+which this module also carries out.
 """
 
 from collections.abc import Iterable
@@ -15,7 +15,7 @@ from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import ENTRY_POINTS, EntryPoint, entry
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 
-# OpenGL has no limits; these keep a damaged trace from taking all memory. No card of the time held as much.
+# OpenGL has no limits. These keep a damaged trace from using all memory; no card of the time held more.
 MAX_BUFFER_SIZE = 1 << 28
 _MAX_NAMES = 1 << 20
 
@@ -40,9 +40,9 @@ class Buffer:
     """A buffer object.
 
     - ``data``: uint8 [size].
-    - ``version``: a number that no other contents of any buffer have had.
-    - ``usage``, ``access``, ``mapped``: as GetBufferParameter gives them.
-    - ``address``: where the recorded program saw the mapped buffer; 0 outside traces.
+    - ``version``: a number for these contents; no other contents of any buffer have it.
+    - ``usage``, ``access``, ``mapped``: the values that GetBufferParameter returns.
+    - ``address``: the address of the mapped buffer in the recorded program; 0 outside traces.
     """
 
     __slots__ = ("_contents", "access", "address", "data", "mapped", "usage", "version")
@@ -57,19 +57,19 @@ class Buffer:
         self._contents: bytes | None = None
 
     def changed(self) -> None:
-        """Say that ``data`` holds other numbers."""
+        """Note that the contents of ``data`` have changed."""
         self.version = next(_versions)
         self._contents = None
 
     def contents(self) -> bytes:
-        """A copy of ``data``; one object until ``data`` changes."""
+        """A copy of ``data``. Until ``data`` changes, it is always the same object."""
         if self._contents is None:
             self._contents = self.data.tobytes()
         return self._contents
 
 
 class BufferBindings:
-    """What is bound to each target, and which buffers are mapped at which address."""
+    """The buffer bound to each target, and the addresses of mapped buffers."""
 
     def __init__(self):
         self._bound: dict[int, Buffer | None] = dict.fromkeys(_TARGETS)
@@ -88,26 +88,26 @@ class BufferBindings:
         self._bound[target], self._names[target] = buffer, name if buffer is not None else 0
 
     def unbind(self, buffer: Buffer) -> None:
-        """Take a deleted buffer from all targets."""
+        """Remove a deleted buffer from all targets."""
         for target, bound in self._bound.items():
             if bound is buffer:
                 self.bind(target, 0, None)
 
     def values(self, *targets: int) -> tuple[Any, ...]:
-        """The bindings of these targets, as PushClientAttrib keeps them."""
+        """The bindings of these targets, as PushClientAttrib saves them."""
         return tuple([(target, self._names[target], self._bound[target]) for target in targets])
 
     def restore(self, values: Iterable[tuple[int, int, Buffer | None]]) -> None:
-        """Set bindings as ``values`` gave them."""
+        """Set the bindings that ``values`` returned."""
         for target, name, buffer in values:
             self.bind(target, name, buffer)
 
 
 @singledispatch
 def as_memory(given: Any, dtype: Any = np.uint8) -> np.ndarray | None:
-    """uint8 [n] of what stands for client memory: bytes, an array, or a list of numbers of ``dtype``.
+    """Client memory as uint8 [n], from bytes, an array, or a list of numbers of ``dtype``.
 
-    None for an address alone, and for a null pointer.
+    None for an address without contents, and for a null pointer.
     """
     return np.frombuffer(given, np.uint8)
 
@@ -135,10 +135,9 @@ def _memory_of_array(given, dtype=np.uint8):
 
 
 def memory_at(gl, target: int, pointer: Any, dtype: Any = np.uint8) -> np.ndarray | None:
-    """uint8 [n] of what a call's pointer names, from there on; None where there is nothing.
+    """The memory from a call's pointer on, uint8 [n]; None if there is none.
 
-    With a buffer bound to ``target`` a number is an offset into it. Raises GLError where that buffer is
-    mapped.
+    If a buffer is bound to ``target``, a number is an offset into it. Raises GLError if the buffer is mapped.
     """
     buffer = gl.buffers[target]
     if buffer is None or not (pointer is None or isinstance(pointer, int)):
@@ -161,7 +160,7 @@ def _bound(gl, target):
 
 @entry("GenBuffers", compiled=False)
 def gen_buffers(gl, number, names=None):
-    """Give unused names, or take those of the recorded program."""
+    """Return unused names, or use the names of the recorded program."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE)
     if number > _MAX_NAMES:
@@ -176,7 +175,7 @@ def gen_buffers(gl, number, names=None):
 
 @entry("DeleteBuffers", compiled=False)
 def delete_buffers(gl, number, names):
-    """Delete buffers. Arrays that read them keep what they held."""
+    """Delete buffers. Arrays that use them keep the contents."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE)
     for name in (names if isinstance(names, list | tuple | np.ndarray) else (names,))[:number]:
@@ -188,13 +187,13 @@ def delete_buffers(gl, number, names):
 
 @entry("IsBuffer", compiled=False)
 def is_buffer(gl, name):
-    """Whether a name is that of a buffer that was bound once."""
+    """Whether a name belongs to a buffer that was bound at least once."""
     return gl.shared.buffers.get(name) is not None
 
 
 @entry("BindBuffer", compiled=False)
 def bind_buffer(gl, target, name):
-    """Bind a buffer, which comes into being here."""
+    """Bind a buffer. The first call with its name creates it."""
     if target not in _TARGETS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no target of buffers here")
     if name and gl.shared.buffers.get(name) is None:
@@ -204,7 +203,7 @@ def bind_buffer(gl, target, name):
 
 @entry("BufferData", compiled=False)
 def buffer_data(gl, target, size, data, usage):
-    """Give a buffer its size and contents. Equal contents as before leave its version as it is."""
+    """Set a buffer's size and contents. If the contents are equal to the old ones, its version stays."""
     buffer = _bound(gl, target)
     if usage not in _USAGES:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(usage)} is no usage")
@@ -239,7 +238,7 @@ def buffer_sub_data(gl, target, offset, size, data):
 
 @entry("GetBufferSubData", compiled=False)
 def get_buffer_sub_data(gl, target, offset, size, data=None):
-    """A part of a buffer's contents, as bytes; a writable array that is given is filled as well."""
+    """A part of a buffer's contents, as bytes. If ``data`` is a writable array, it is filled, too."""
     part = _part(gl, target, offset, size).data[offset : offset + size]
     if isinstance(data, np.ndarray) and data.flags.writeable:
         data.reshape(-1).view(np.uint8)[:size] = part
@@ -247,7 +246,7 @@ def get_buffer_sub_data(gl, target, offset, size, data=None):
 
 
 def _part(gl, target, offset, size):
-    """The bound buffer, which must have this part and be unmapped. Raises GLError."""
+    """The bound buffer. Raises GLError if it does not have this part, or is mapped."""
     buffer = _bound(gl, target)
     if offset < 0 or size < 0 or offset + size > len(buffer.data):
         raise GLError(tokens.INVALID_VALUE, f"the buffer has {len(buffer.data)} bytes")
@@ -265,7 +264,7 @@ def _write(buffer, offset, given):
 
 @entry("MapBuffer", compiled=False)
 def map_buffer(gl, target, access):
-    """Map a buffer: give uint8 [size] to write into, or the address that was recorded."""
+    """Map a buffer. Returns uint8 [size] to write into, or the recorded address."""
     buffer = _bound(gl, target)
     if access not in _ACCESSES:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(access)} is no access")
@@ -296,18 +295,18 @@ def _map(gl, buffer, access, offset, length):
 
 @entry("FlushMappedBufferRange", compiled=False)
 def flush_mapped_buffer_range(gl, target, offset, length):
-    """Say that a mapped part was written. UnmapBuffer says the same of the whole."""
+    """Note that a mapped part was written. UnmapBuffer notes the same for the whole buffer."""
     if not _bound(gl, target).mapped:
         raise GLError(tokens.INVALID_OPERATION, "the buffer is not mapped")
 
 
 @entry("UnmapBuffer", compiled=False)
 def unmap_buffer(gl, target):
-    """End a buffer's mapping; its contents count as changed where it was mapped for writing."""
+    """End a buffer's mapping. If it was mapped for writing, its contents count as changed."""
     buffer = _bound(gl, target)
     if not buffer.mapped:
         raise GLError(tokens.INVALID_OPERATION, "the buffer is not mapped")
-    # A trace's memcpy has said what changed.
+    # In a trace, calls of memcpy have already made the changes.
     if buffer.access != tokens.READ_ONLY and not buffer.address:
         buffer.changed()
     _unmap(gl, buffer)
@@ -320,7 +319,7 @@ def _unmap(gl, buffer):
 
 
 def memcpy(gl, destination, source, size):
-    """Write into a mapped buffer, as apitrace records it when the program has written there itself."""
+    """Write into a mapped buffer. apitrace records this call when the program writes there itself."""
     for address, buffer in gl.buffers.mapped.items():
         if address <= destination < address + len(buffer.data):
             given = as_memory(source)

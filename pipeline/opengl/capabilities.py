@@ -1,6 +1,6 @@
 """Enable, Disable and IsEnabled: the capabilities (OpenGL 1.2.1 tables 6.5 to 6.28).
 
-A capability's value has the key ("enabled", token), and for one of a texture unit ("enabled", token, unit).
+A capability's value has the key ("enabled", token). For a texture unit it is ("enabled", token, unit).
 """
 
 from fixedpipe.pipeline.opengl import tokens
@@ -10,7 +10,7 @@ from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.values import VALUES, declare
 
 _OF_UNITS: set[int] = set()
-# By a capability's key: what is called with the Context and the new value, before it is set.
+# By a capability's key: a function to call with the Context and the new value, before the value is set.
 NOTIFIED = {}
 
 
@@ -39,7 +39,7 @@ def key_of(gl, token):
 def _set(gl, token, enabled):
     from fixedpipe.pipeline.opengl.arrays import ARRAYS, set_array_enabled
 
-    if token in ARRAYS:  # NVIDIA's and EXT_vertex_array's programs enable arrays so
+    if token in ARRAYS:  # programs for NVIDIA's extensions and EXT_vertex_array enable arrays by Enable
         set_array_enabled(gl, token, enabled)
         return
     key = key_of(gl, token)

@@ -1,6 +1,6 @@
 """NV_register_combiners 1 and 2, NV_texture_shader's stages, NV_depth_clamp, and hints.
 
-Combiners that NV_register_combiners forbids are INVALID_OPERATION, and the call is ignored.
+A call that would make combiners which NV_register_combiners forbids is INVALID_OPERATION, and is ignored.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ from fixedpipe.pipeline.state import (
     TextureShaderStage,
 )
 
-# General combiners that a context keeps, whatever the machine has.
+# How many general combiners a context stores, for any machine.
 GENERAL_COMBINERS = 8
 # Texture units with a texture shader stage (NV_texture_shader).
 SHADER_STAGES = 4
@@ -177,13 +177,13 @@ def _variable(variable, names):
 
 @entry("CombinerInput")
 def combiner_input(gl, stage, portion, variable, register, mapping, usage):
-    """A variable A to D of a general combiner's portion."""
+    """Set variable A, B, C or D of a general combiner's portion."""
     _set_portion(gl, stage, portion, **{_variable(variable, "abcd"): _input(register, mapping, usage)})
 
 
 @entry("CombinerOutput")
 def combiner_output(gl, stage, portion, *outputs):
-    """The outputs of a general combiner's portion: AB, CD, their sum, scale, bias, two dot products, mux."""
+    """Set the outputs of a general combiner's portion: AB, CD, their sum, scale, bias, dot products, mux."""
     ab, cd, both, scale, bias, ab_dot, cd_dot, mux = outputs
     changes = {
         "ab_output": member(REGISTERS, ab),
@@ -202,7 +202,7 @@ def combiner_output(gl, stage, portion, *outputs):
 
 @entry("FinalCombinerInput")
 def final_combiner_input(gl, variable, register, mapping, usage):
-    """A variable A to G of the final combiner."""
+    """Set one of the variables A to G of the final combiner."""
     given = {member(_VARIABLES, variable): _input(register, mapping, usage)}
     final = replace(gl.values["final combiner"], **given)
     _refuse_problems(RegisterCombiners(final=final))
@@ -262,7 +262,7 @@ def get_combiner_output(gl, stage, portion, name, *_recorded):
 
 @entry("GetCombinerStageParameterfv", compiled=False)
 def get_combiner_stage(gl, stage, name, *_recorded):
-    """A constant of a general combiner's own."""
+    """A constant of a general combiner."""
     member(_CONSTANTS, name)
     return gl.values[("stage constants", _stage_number(stage))][tuple(_CONSTANTS).index(name)]
 
@@ -282,7 +282,7 @@ DOT_PRODUCT_MAPPINGS = {
 }
 
 capability(tokens.TEXTURE_SHADER_NV, _TEXTURE)
-# The stage of each unit, a TextureShaderStage; TexEnv(TEXTURE_SHADER_NV, ...) changes it.
+# Each unit has a TextureShaderStage, which TexEnv(TEXTURE_SHADER_NV, ...) changes.
 for _unit in range(COORDINATE_SETS):
     declare(("texture shader", _unit), TextureShaderStage(), _TEXTURE)
 
@@ -296,13 +296,13 @@ for _unit in range(COORDINATE_SETS):
 def _texture_shader(gl, enabled, units, *stages):
     if not enabled:
         return None
-    # NV_texture_shader: a stage whose texture is incomplete is as one of NONE.
+    # NV_texture_shader: a stage whose texture is incomplete acts like the operation NONE.
     pairs = zip(units, stages, strict=False)
     return tuple([TextureShaderStage() if unit is None else stage for unit, stage in pairs])
 
 
 def set_texture_shader(gl, unit: int, name: int, given: Parameter) -> None:
-    """TexEnv(TEXTURE_SHADER_NV, name, given) for a unit."""
+    """Carry out TexEnv(TEXTURE_SHADER_NV, name, given) for a unit."""
     key = "texture shader", unit
     gl.values.set(key, replace(gl.values[key], **_shader_change(name, given)))
 
@@ -335,7 +335,7 @@ def _shader_change(name, given):
 
 
 def texture_shader_parameter(gl, unit: int, name: int):
-    """What GetTexEnv(TEXTURE_SHADER_NV, name) gives for a unit: a number, a token, or several."""
+    """The result of GetTexEnv(TEXTURE_SHADER_NV, name) for a unit: a number, a token, or several."""
     stage = gl.values[("texture shader", unit)]
     tables = {
         tokens.SHADER_OPERATION_NV: lambda: _token_of(SHADER_OPERATIONS, stage.operation),
@@ -348,7 +348,7 @@ def texture_shader_parameter(gl, unit: int, name: int):
             DOT_PRODUCT_MAPPINGS, stage.dot_product_mapping
         ),
         tokens.CONST_EYE_NV: lambda: stage.constant_eye,
-        # Assumed: every stage is consistent; a machine refuses those that are not.
+        # Assumed: every stage is consistent. A machine refuses a stage that is not.
         tokens.SHADER_CONSISTENT_NV: lambda: True,
     }
     return member(tables, name)()
@@ -361,7 +361,7 @@ capability(tokens.DEPTH_CLAMP_NV, tokens.TRANSFORM_BIT)
 
 @section("depth_clamp", ("enabled", tokens.DEPTH_CLAMP_NV), "depth_range")
 def _depth_clamp(gl, enabled, depth_range):
-    # NV_depth_clamp: depths are clamped to the depth range. Its ends are in depth units in the state.
+    # NV_depth_clamp: depths are clamped to the depth range. The state has the range's ends in depth units.
     if not enabled:
         return None
     largest = (1 << gl.profile.widest_depth) - 1
@@ -390,7 +390,7 @@ def _perspective_correction(gl, hint):
 
 @entry("Hint")
 def hint(gl, target, mode):
-    """A hint (section 5.6). A machine follows PERSPECTIVE_CORRECTION_HINT alone, if any."""
+    """Set a hint (section 5.6). A machine may follow PERSPECTIVE_CORRECTION_HINT, and follows no other."""
     if mode not in (tokens.DONT_CARE, tokens.FASTEST, tokens.NICEST) or target not in HINTS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)}, {tokens.name_of(mode)}")
     gl.values.set(("hint", target), mode)

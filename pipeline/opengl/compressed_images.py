@@ -1,4 +1,4 @@
-"""Images that are compressed, and palettes (ARB_texture_compression, EXT_paletted_texture)."""
+"""Compressed images, and palettes (ARB_texture_compression, EXT_paletted_texture)."""
 
 from typing import Any
 
@@ -49,7 +49,9 @@ from fixedpipe.pipeline.textures.words import (
 
 
 def _compressed(size_at):
-    """The capture of compressed images: the bytes, or the error of reading them, in the last place."""
+    """The capture of calls for compressed images. The last argument becomes the bytes, or the error of
+    reading them.
+    """
 
     def capture(gl, *arguments):
         *others, given = arguments
@@ -69,13 +71,13 @@ def _compressed(size_at):
 
 @entry("CompressedTexImage1D", "CompressedTexSubImage1D")
 def compressed_line(gl, target, level, internal_format, *arguments):
-    """No format of compressed images has lines (EXT_texture_compression_s3tc)."""
+    """Raise an error: no compressed format has one-dimensional images (EXT_texture_compression_s3tc)."""
     raise GLError(tokens.INVALID_ENUM, "no compressed image is a line")
 
 
 @entry("CompressedTexImage2D", capture=_compressed(6))
 def compressed_tex_image_2d(gl, target, level, internal_format, width, height, border, length, data):
-    """Define an image from its blocks (EXT_texture_compression_s3tc)."""
+    """Define an image from compressed blocks (EXT_texture_compression_s3tc)."""
     place, size = place_of(gl, target, 2), (width, height, 1)
     chosen = _compressed_chosen(gl, internal_format, place)
     if place.proxy:
@@ -90,7 +92,7 @@ def compressed_tex_image_2d(gl, target, level, internal_format, width, height, b
 
 @entry("CompressedTexImage3D", capture=_compressed(7))
 def compressed_tex_image_3d(gl, target, level, internal_format, width, height, depth, border, length, data):
-    """Define a volume from its blocks (NV_texture_compression_vtc)."""
+    """Define a volume from compressed blocks (NV_texture_compression_vtc)."""
     place, size = place_of(gl, target, 3), (width, height, depth)
     chosen = _compressed_chosen(gl, internal_format, place)
     check_image(gl, place, level, size, border)
@@ -117,15 +119,15 @@ def compressed_tex_sub_image_2d(gl, target, level, x, y, width, height, internal
 
 @entry("CompressedTexSubImage3D")
 def compressed_tex_sub_image_3d(gl, *arguments):
-    """Parts of compressed volumes, of which no recording is known."""
+    """Refuse to replace parts of compressed volumes. No recording with this call is known."""
     raise Refused("a part of a compressed volume")
 
 
 def _compressed_chosen(gl, internal_format, place):
-    """How the machine holds a compressed image.
+    """How the machine stores a compressed image.
 
-    One without alpha is held as the colours that its blocks give. Inferred: environments treat it as RGB, and
-    the machine's own formats are all RGBA.
+    An image without alpha is stored as the colours of its blocks. Inferred: environments treat it as RGB, and
+    the machine's compressed formats are all RGBA.
     """
     found = compressed_format(gl.profile, internal_format)
     if place.target not in (tokens.TEXTURE_2D, tokens.TEXTURE_CUBE_MAP, tokens.TEXTURE_3D):
@@ -135,7 +137,7 @@ def _compressed_chosen(gl, internal_format, place):
 
 
 def _decoded(gl, internal_format, size, data):
-    """The Texels of blocks. Raises the error of reading them, and GLError for another number of bytes."""
+    """The Texels of blocks. Raises the error of reading them, and GLError for a wrong number of bytes."""
     if isinstance(data, Exception):
         raise data
     width, height, depth = size
@@ -164,7 +166,7 @@ declare("shared_palette", None)
 
 
 def _share_palette(gl, enabled):
-    """Give every paletted texture the shared palette, or take it back."""
+    """Give the shared palette to every paletted texture, or take it away."""
     shared = gl.values["shared_palette"] if enabled else None
     for texture in gl.shared.textures.values():
         if texture is not None and texture.shared_palette is not shared:
@@ -177,7 +179,7 @@ capability(tokens.SHARED_TEXTURE_PALETTE_EXT, tokens.TEXTURE_BIT, notify=_share_
 
 
 def palette_colors(gl: Any, internal_format: int, groups: np.ndarray) -> Palette:
-    """A Palette of RGBA groups [n, 4] as an internal format keeps them."""
+    """A Palette from RGBA groups [n, 4], in the form of an internal format."""
     chosen = chosen_format(gl.profile, internal_format)
     if chosen.base is None:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(internal_format)} is no format of palettes")
@@ -185,7 +187,7 @@ def palette_colors(gl: Any, internal_format: int, groups: np.ndarray) -> Palette
 
 
 def set_palette(gl: Any, target: int, internal_format: int, palette: Palette) -> None:
-    """Give a texture its palette, or set the shared one."""
+    """Set a texture's palette, or the shared one."""
     if target == tokens.SHARED_TEXTURE_PALETTE_EXT:
         gl.values.set("shared_palette", palette)
         if gl.values["enabled", tokens.SHARED_TEXTURE_PALETTE_EXT]:

@@ -12,7 +12,7 @@ from fixedpipe.pipeline.opengl.meshes import content_key, make_mesh
 from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.state import PassState, needs_normals
 
-# Coordinate sets that a context keeps, whatever the machine has.
+# How many coordinate sets a context stores, for any machine.
 COORDINATE_SETS = 8
 
 PRIMITIVES = {
@@ -27,13 +27,13 @@ PRIMITIVES = {
     tokens.QUAD_STRIP: PrimitiveType.QUAD_STRIP,
     tokens.POLYGON: PrimitiveType.POLYGON,
 }
-# The fewest vertices that draw anything, and of how many a further primitive consists.
+# By mode: the fewest vertices that draw something, and how many more each further primitive needs.
 _LEAST = {0: 1, 1: 2, 2: 2, 3: 2, 4: 3, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3}
 _STEP = {1: 2, 4: 3, 7: 4, 8: 2}
 
 
 class Current:
-    """The current values (table 6.5). A vertex takes them as they are when it is specified."""
+    """The current values (table 6.5). A vertex takes the values at the time when it is specified."""
 
     __slots__ = (
         "color",
@@ -55,16 +55,16 @@ class Current:
         self.weight = 1.0
 
     def values(self) -> tuple[Any, ...]:
-        """All of them, as PushAttrib keeps them."""
+        """All current values, as PushAttrib saves them."""
         return tuple([getattr(self, name) for name in self.__slots__])
 
     def restore(self, values: tuple[Any, ...]) -> None:
-        """Set all of them, as ``values`` gave them."""
+        """Set the current values that ``values`` returned."""
         for name, value in zip(self.__slots__, values, strict=True):
             setattr(self, name, value)
 
 
-# A signed or unsigned integer component as a fraction (table 2.6).
+# Functions that convert a component of a type to a fraction (table 2.6).
 _FRACTIONS = {
     "b": lambda v: (2 * v + 1) / 255.0,
     "s": lambda v: (2 * v + 1) / 65535.0,
@@ -83,13 +83,13 @@ def fractions(suffix, components):
 
 
 def filled(components, rest=(0.0, 0.0, 0.0, 1.0)):
-    """Four components: those given, and the last ones of ``rest``."""
+    """Four components: the given ones, and for missing ones those of ``rest``."""
     given = tuple(map(float, components))
     return given + rest[len(given) :]
 
 
 def _first(components, size):
-    """The first components of a sequence. A trace may give a vector of one component as that number."""
+    """The first components of a sequence. A trace may have a number in place of a vector of one component."""
     try:
         return components[:size]
     except TypeError:
@@ -97,7 +97,7 @@ def _first(components, size):
 
 
 def _register_family(stem, sizes, suffixes, set_value, *, convert):
-    """Enter stem{sizes}{suffixes}{,v}: ``set_value(gl, convert(suffix, components))``."""
+    """Register stem{sizes}{suffixes}{,v}; they call ``set_value(gl, convert(suffix, components))``."""
     for size in map(int, sizes):
         for suffix in suffixes:
 
@@ -166,7 +166,7 @@ def texture_unit_number(texture: int) -> int:
 
 
 def set_coordinates(gl, unit, coordinates):
-    """Set the current coordinates of a set."""
+    """Set the current texture coordinates of a set."""
     sets = gl.current.texture_coordinates
     gl.current.texture_coordinates = (*sets[:unit], filled(coordinates), *sets[unit + 1 :])
 
@@ -188,9 +188,9 @@ for _size in (1, 2, 3, 4):
 
 
 def register_attributes(set_other) -> None:
-    """Enter VertexAttrib and VertexAttribs: attributes by number (NV_vertex_program, ARB_vertex_program).
+    """Register VertexAttrib and VertexAttribs: attributes by number (NV_vertex_program, ARB_vertex_program).
 
-    ``set_other(gl, number, components)``: sets those that are no conventional ones, 6 and 7.
+    ``set_other(gl, number, components)`` sets attributes 6 and 7, which are not conventional ones.
     """
 
     def set_one(gl, number, components):
@@ -225,7 +225,7 @@ def register_attributes(set_other) -> None:
     def byte_vector_nv(gl, number, components):
         set_one(gl, number, fractions("ub", _first(components, 4)))
 
-    # NVIDIA's bytes are fractions; ARB's without N are not.
+    # Bytes are fractions in NVIDIA's calls. In ARB's calls without N they are not.
     register("VertexAttrib4ubNV", bytes_nv, inside=True)
     register("VertexAttrib4ubvNV", byte_vector_nv, inside=True)
     for size in (1, 2, 3, 4):
@@ -234,7 +234,7 @@ def register_attributes(set_other) -> None:
                 continue
 
             def several(gl, first, count, numbers, size=size, kind=kind):
-                # In descending order, so that attribute 0 is last and gives the vertex.
+                # In descending order, so that attribute 0 is set last and adds the vertex.
                 for n in reversed(range(count)):
                     given = numbers[size * n : size * n + size]
                     set_one(
@@ -244,7 +244,7 @@ def register_attributes(set_other) -> None:
             register(f"VertexAttribs{size}{kind}v", several, inside=True)
 
 
-# The conventional attributes by number; 8 and more are texture coordinates.
+# The conventional attributes by number. Numbers from 8 on are texture coordinates.
 _ATTRIBUTES = {
     0: vertex,
     1: lambda gl, given: setattr(gl.current, "weight", float(given[0])),
@@ -261,19 +261,19 @@ def _one(value):
 
 @entry("FogCoordf", "FogCoordd", "FogCoordfv", "FogCoorddv", inside=True)
 def fog_coordinate(gl, coordinate):
-    """The current fog coordinate (EXT_fog_coord)."""
+    """Set the current fog coordinate (EXT_fog_coord)."""
     gl.current.fog_coordinate = float(_one(coordinate))
 
 
 @entry("EdgeFlag", "EdgeFlagv", inside=True)
 def edge_flag(gl, flag):
-    """The current edge flag (section 2.6.2)."""
+    """Set the current edge flag (section 2.6.2)."""
     gl.current.edge_flag = bool(_one(flag))
 
 
 @entry("VertexWeightf", "VertexWeightfv", inside=True)
 def vertex_weight(gl, weight):
-    """The current weight (EXT_vertex_weighting)."""
+    """Set the current weight (EXT_vertex_weighting)."""
     gl.current.weight = float(_one(weight))
 
 
@@ -303,7 +303,7 @@ def end(gl):
 
 
 def draw_vertices(gl, mode, vertices):
-    """Draw vertices as ``Begin`` and ``End`` gather them."""
+    """Draw vertices in the form in which ``Begin`` and ``End`` collect them."""
     if not vertices:
         return
     positions, colors, normals, sets, secondary, fog, edges, weights = zip(*vertices, strict=True)
@@ -326,7 +326,7 @@ def draw_vertices(gl, mode, vertices):
 
 
 def needed_columns(state: PassState) -> dict[str, int]:
-    """Which columns of a mesh the state may read, by name; for texture coordinates, how many sets."""
+    """The columns of a mesh that the state may read, by name. For texture coordinates: how many sets."""
     sets = [unit.coordinates + 1 for unit in state.texture_units if unit is not None]
     needs = {"texture_coordinates": max(sets, default=0)}
     if needs_normals(state):
@@ -343,13 +343,13 @@ def needed_columns(state: PassState) -> dict[str, int]:
 
 
 _PROGRAMMED = ("enabled", tokens.VERTEX_PROGRAM_NV)
-# By a state's identity: the state, and the columns that it needs.
+# By the identity of a state: the state, and the columns that it needs.
 _needs: dict[int, tuple[PassState, dict[str, int]]] = {}
 _MOST_NEEDS = 4096
 
 
 def columns_read(gl) -> dict[str, int]:
-    """``needed_columns`` of the present state, and what feedback returns."""
+    """``needed_columns`` of the present state, and in feedback the columns that it returns."""
     if gl.values[_PROGRAMMED]:
         from fixedpipe.pipeline.opengl.vertex_program_draws import COLUMNS
 
@@ -379,9 +379,9 @@ def drawn_count(mode: int, count: int) -> int:
 
 
 def finish_primitive(gl, mode, columns, indices=None, counts=None):
-    """Draw the columns as primitives of ``mode``; the work of ``Context.draw``.
+    """Draw the columns as primitives of ``mode``. ``Context.draw`` calls this.
 
-    ``counts``: the vertices of each strip or fan, all of them whole; None: all are one.
+    ``counts``: the number of vertices of each strip or fan, which are all complete; None: there is one.
     """
     primitive = primitive_of(mode)
     count = len(columns["positions"] if indices is None else indices)
@@ -401,7 +401,7 @@ def finish_primitive(gl, mode, columns, indices=None, counts=None):
 
 
 def draw_mesh(gl, mesh: Mesh) -> None:
-    """Draw a Mesh, or select by it, or feed it back, as RenderMode says."""
+    """Draw a Mesh, or use it for selection or feedback, as RenderMode says."""
     if gl.values[_PROGRAMMED]:
         from fixedpipe.pipeline.opengl.vertex_program_draws import programmed_mesh
 

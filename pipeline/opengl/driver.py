@@ -1,8 +1,8 @@
-"""What a driver did between OpenGL and the chip: each rule with its evidence.
+"""The work of a driver between OpenGL and the chip: rules, each with its evidence.
 
-What a machine already does for itself is not here: the registers of a positional spotlight (docs/numbers.md
-N2.26), powers for shininess (N2.17), fog's line (section 9), and the rounding of sizes on machines that
-follow OpenGL's rules for points and lines (N11.9).
+This module omits what a machine does itself: the registers of a positional spotlight (docs/numbers.md
+N2.26), powers for shininess (N2.17), and fog's line (section 9). It also omits the rounding of sizes on
+machines that follow OpenGL's rules for points and lines (N11.9).
 """
 
 import math
@@ -33,7 +33,7 @@ from fixedpipe.pipeline.state import (
 
 
 def has_lighting_unit(profile: Profile) -> bool:
-    """Whether lighting is the NV10's unit, and not OpenGL's equations."""
+    """Whether the NV10's lighting unit computes lighting, and not OpenGL's equations."""
     return profile.arithmetic.lighting is LightingArithmetic.LIGHTING_UNIT
 
 
@@ -41,9 +41,9 @@ def has_lighting_unit(profile: Profile) -> bool:
 
 
 def light(profile: Profile, light: Light) -> Light:
-    """A light as the machine takes it.
+    """A light in the form that the machine takes.
 
-    A lighting unit has spotlights with a position alone. The factor of a directional one's spotlight is the
+    A lighting unit has only spotlights with a position. The spotlight factor of a directional light is the
     same at every vertex (OpenGL 1.2.1 section 2.13.1), so the driver multiplies the light's colours by it.
     Assumed: NVIDIA's driver did as the specification says; nouveau's ignores the spotlight of such a light.
     """
@@ -52,7 +52,7 @@ def light(profile: Profile, light: Light) -> Light:
     to_light, axis = light.position[:3], light.spot_direction
     size = math.sqrt(sum(c * c for c in to_light)) * math.sqrt(sum(c * c for c in axis))
     cosine = -sum(a * b for a, b in zip(to_light, axis, strict=True)) / size if size else 0.0
-    # A half-space has no rounding in its limit.
+    # For a half-space the limit is exact.
     limit = 0.0 if light.spot_cutoff == 90 else rounded(math.cos(math.radians(light.spot_cutoff)))
     factor = rounded(max(cosine, 0.0) ** light.spot_exponent) if cosine >= limit else 0.0
     return replace(
@@ -73,9 +73,9 @@ def _scaled(color, factor):
 def secondary_color(profile: Profile, lighting: Lighting | None, register_combiners: bool) -> SecondaryColor:
     """The source of the secondary colour.
 
-    With a single colour, lighting's secondary colour is black (OpenGL 1.2.1 section 2.13.1). A lighting
-    unit would pass the vertices' own on (docs/numbers.md N2.18), so the driver disables it where combiners
-    may read it. Inferred: from those two.
+    With a single colour, lighting's secondary colour is black (OpenGL 1.2.1 section 2.13.1). A lighting unit
+    would pass on the vertices' secondary colours (docs/numbers.md N2.18), so the driver disables them if
+    combiners may read them. Inferred: from those two.
     """
     single = lighting is not None and not lighting.separate_specular_color
     if single and register_combiners and has_lighting_unit(profile):
@@ -97,10 +97,10 @@ _NO_LENGTH = 2.0**-24
 
 
 def fog_registers(profile: Profile, fog: Fog, distance: int) -> FogRegisters | None:
-    """The registers of a fog whose distance is not |z|, or None where the machine has no such fog.
+    """The registers of a fog whose distance is not |z|; None if the machine has no such fog.
 
     Source: nouveau's fog coordinate modes, one for each of NV_fog_distance's. Bias and multiplier:
-    docs/numbers.md section 9, as of a fog without registers.
+    docs/numbers.md section 9, the same as for a fog without registers.
     """
     if not profile.fragments.fog_registers or profile.arithmetic.fog_arithmetic is not FogArithmetic.TABLE:
         return None
@@ -129,8 +129,8 @@ def point_parameters(
 ) -> PointParameters | None:
     """The chip's parameters for points of ``size`` that shrink with distance; None for points of one size.
 
-    Source: EXT_point_parameters, in the form of the NV2A's SET_POINT_PARAMS. Assumed: no alpha fades below
-    the threshold, for which the chip has no register.
+    Source: EXT_point_parameters, in the form of the NV2A's SET_POINT_PARAMS. Assumed: alpha does not fade
+    below the threshold, because the chip has no register for it.
     """
     largest = min(largest, profile.primitives.max_point_size)
     if not largest > smallest or size <= 0:
@@ -144,12 +144,12 @@ def point_parameters(
 
 
 def place_sprite(profile: Profile, state: PassState) -> PassState:
-    """The state with the texture that a point sprite shows on a unit that can show one.
+    """The state with a point sprite's texture on a unit that can replace its coordinates.
 
-    A chip replaces the coordinates of few units (``point_sprite_units``), and OpenGL lets a program choose
-    any. The driver moves the texture to such a unit where that changes nothing else: the units between are
-    disabled, and combiners and environments name it by its new number. What else a program asks for is left
-    to the machine. Assumed: a driver of 2001 did so; NV_point_sprite says nothing of a limit.
+    A chip replaces the coordinates of few units (``point_sprite_units``); in OpenGL a program may choose any
+    unit. The driver moves the texture to such a unit if this changes nothing else: the units between must be
+    disabled. Combiners and environments then use the new number. The machine handles all other requests.
+    Assumed: a driver of 2001 did so; NV_point_sprite mentions no limit.
     """
     units = state.texture_units
     replaced = [i for i, unit in enumerate(units) if unit is not None and unit.coord_replace]
@@ -172,7 +172,7 @@ def _without_sprite(unit):
 
 
 def _moved(state: PassState, unit: int, place: int) -> PassState:
-    """The state with unit ``unit`` at ``place``, which is disabled, as are those between."""
+    """The state with unit ``unit`` at ``place``. The unit at ``place`` and those between are disabled."""
     units: list[TextureUnit | None] = list(state.texture_units[:place])
     units += [None] * (place + 1 - len(units))
     units[place], units[unit] = units[unit], None
@@ -188,7 +188,7 @@ def _moved(state: PassState, unit: int, place: int) -> PassState:
 
 
 def _renamed_unit(unit, sources):
-    """A unit whose environment names other sources."""
+    """A unit with renamed sources in its environment."""
     if unit is None:
         return None
     environment = unit.environment
@@ -200,7 +200,7 @@ def _renamed_unit(unit, sources):
 
 
 def renamed_registers(combiners: RegisterCombiners, names: dict[Register, Register]) -> RegisterCombiners:
-    """The same combiners with other names of registers."""
+    """The same combiners with renamed registers."""
 
     def portion(given, inputs, outputs):
         changed = {name: getattr(given, name) for name in inputs}

@@ -34,7 +34,7 @@ _HALVES = ("rgb", "alpha")
 
 
 class Half(NamedTuple):
-    """One half of a COMBINE environment, as tokens. The fourth argument is COMBINE4's."""
+    """One half of a COMBINE environment (RGB or alpha), as tokens. Only COMBINE4 has the fourth argument."""
 
     function: int
     sources: tuple[int, int, int, int]
@@ -66,7 +66,7 @@ for _unit in range(COORDINATE_SETS):
 
 FUNCTION_OF = {tokens.COMBINE_RGB: "rgb", tokens.COMBINE_ALPHA: "alpha"}
 SCALE_OF = {tokens.RGB_SCALE: "rgb", tokens.ALPHA_SCALE: "alpha"}
-# Names of a half's arguments: (half, place).
+# {name of an argument: (half, place)}.
 SOURCE_OF = {
     first + place: (half, place)
     for half, first in (("rgb", tokens.SOURCE0_RGB), ("alpha", tokens.SOURCE0_ALPHA))
@@ -100,11 +100,11 @@ register_parameters("TexEnv", _tex_env)
 
 
 def _changed_environment(gl, held, name, given):
-    """The Environment that TexEnv(TEXTURE_ENV, ...) leaves. Raises GLError."""
+    """The Environment after TexEnv(TEXTURE_ENV, ...). Raises GLError."""
     combiners = gl.profile.combiners
     if name == tokens.TEXTURE_ENV_MODE:
         mode = member(_ENVIRONMENTS, given.token())
-        # A machine without environments has combiners in their place; its driver took the names.
+        # A machine without environments has combiners instead. Its driver accepted the names.
         if combiners.texture_environment_modes and mode not in combiners.texture_environment_modes:
             unknown_value(gl, f"environment {mode.name}")
         return held._replace(mode=given.token())
@@ -135,7 +135,7 @@ def _changed_environment(gl, held, name, given):
 
 
 def with_member(members: tuple[Any, ...], place: int, value: Any) -> tuple[Any, ...]:
-    """The members with another at one place."""
+    """The members, with ``value`` at one place."""
     return (*members[:place], value, *members[place + 1 :])
 
 
@@ -145,7 +145,7 @@ def _with_half(environment, half, **changes):
 
 @lru_cache(maxsize=1024)
 def environment_of(held: Environment) -> TextureEnvironment:
-    """A TextureEnvironment of tokens."""
+    """The TextureEnvironment for an Environment of tokens."""
     mode = _ENVIRONMENTS[held.mode]
     if mode not in (TextureEnvironmentMode.COMBINE, TextureEnvironmentMode.COMBINE4):
         return TextureEnvironment(mode, held.color)
@@ -163,12 +163,12 @@ def environment_of(held: Environment) -> TextureEnvironment:
 
 
 def unknown_value(gl: Any, what: str) -> NoReturn:
-    """Raise GLError for a value that the machine's driver did not know."""
+    """Raise GLError for a value that the machine's driver did not accept."""
     raise GLError(tokens.INVALID_ENUM, f"{gl.profile.name} has no {what}")
 
 
 def lod_bias(gl: Any, given: Parameter) -> float:
-    """TEXTURE_LOD_BIAS, limited to the machine's range. Raises GLError where it has none."""
+    """TEXTURE_LOD_BIAS, limited to the machine's range. Raises GLError if the machine has no such bias."""
     most = gl.profile.textures.max_lod_bias
     if most <= 0:
         unknown_value(gl, "bias of the level of detail")

@@ -1,7 +1,7 @@
-"""Evaluators: polynomials that give vertices (OpenGL 1.2.1 section 5.1).
+"""Evaluators: polynomials that make vertices (OpenGL 1.2.1 section 5.1).
 
 Assumed: they are computed in float64, as sums of control points times Bernstein polynomials. Drivers used
-float32, and Horner's rule or forward differences; nothing here was compared with one.
+float32, and Horner's rule or forward differences. The results here were not compared with a driver's.
 """
 
 from functools import cache
@@ -19,12 +19,12 @@ from fixedpipe.pipeline.opengl.values import declare
 
 # Source: OpenGL 1.2.1 section 5.1: at least 8. Inferred: Mesa and NVIDIA's drivers had more.
 MAX_EVAL_ORDER = 30
-# A mesh of more is refused: it would take gigabytes.
+# A mesh of more points is refused, because it would take gigabytes.
 _MAX_POINTS = 1 << 20
 
 
 class Map:
-    """A map of one or two dimensions; two Maps are never equal.
+    """A map of one or two dimensions. Two Maps are never equal.
 
     - ``domain``: (u1, u2) or (u1, u2, v1, v2).
     - ``points``: float64 [order, k] or [u order, v order, k].
@@ -36,7 +36,7 @@ class Map:
         points.setflags(write=False)
 
 
-# Of each dimension: the map's token, what it gives and with how many components. The last of a kind wins.
+# For each dimension: the map's token, its number of components, and its column. The last of a column wins.
 _NAMES = ("COLOR_4", "INDEX", "NORMAL", *[f"TEXTURE_COORD_{n}" for n in (1, 2, 3, 4)], "VERTEX_3", "VERTEX_4")
 _SIZES = (4, 1, 3, 1, 2, 3, 4, 3, 4)
 _COLUMNS = ("colors", "", "normals", *["texture_coordinates"] * 4, "positions", "positions")
@@ -69,7 +69,7 @@ def _map_of(gl, target, dimensions):
     found = MAPS.get(target)
     if found is None or found[0] != dimensions:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no map of {dimensions} dimensions")
-    if gl.values["active_texture"]:  # section F.2.13
+    if gl.values["active_texture"]:  # Source: section F.2.13
         raise GLError(tokens.INVALID_OPERATION, "the active texture unit is not 0")
     return found
 
@@ -82,7 +82,7 @@ def _check(domain, stride, size, order):
 
 
 def _numbers(points, count):
-    """float64 [count] of control points, which are read when the call is made."""
+    """The numbers of control points, float64 [count]. They are read when the call is made."""
     if points is None or isinstance(points, int):
         raise Refused("its control points were not recorded")
     numbers = np.asarray(points, np.float64).reshape(-1)
@@ -150,7 +150,7 @@ def _binomials(degree):
 def bernstein(degree: int, t: np.ndarray) -> np.ndarray:
     """The Bernstein polynomials of a degree at places ``t``, float64 [degree + 1, n]; 0^0 is 1.
 
-    Only sums and products occur, in a fixed order, so that every machine gives the same bits.
+    It uses only sums and products, in a fixed order, so every computer gives the same bits.
     """
     weights = np.ones((degree + 1, len(t)))
     rising, falling = np.ones(len(t)), np.ones(len(t))
@@ -162,7 +162,7 @@ def bernstein(degree: int, t: np.ndarray) -> np.ndarray:
 
 
 def bernstein_slopes(degree: int, t: np.ndarray) -> np.ndarray:
-    """Their derivatives."""
+    """The derivatives of the Bernstein polynomials at places ``t``, float64 [degree + 1, n]."""
     slopes = np.zeros((degree + 1, len(t)))
     if degree:
         lower = degree * bernstein(degree - 1, t)
@@ -175,9 +175,9 @@ def _within(places, low, high):
     return (np.asarray(places, np.float64) - low) / (high - low)
 
 
-@np.errstate(all="ignore")  # what is no number then is left out of the picture
+@np.errstate(all="ignore")  # draws with infinities and NaN are left out later
 def _evaluated1(gl, u) -> dict[str, np.ndarray]:
-    """The columns that the enabled maps give at places ``u``."""
+    """The columns that the enabled maps make at places ``u``."""
     columns = {}
     for token, found in _enabled(gl, 1):
         points = found.points
@@ -187,7 +187,7 @@ def _evaluated1(gl, u) -> dict[str, np.ndarray]:
 
 @np.errstate(all="ignore")
 def _evaluated2(gl, u, v) -> dict[str, np.ndarray]:
-    """The columns that the enabled maps give at all pairs of places ``u`` and ``v``, u the faster."""
+    """The columns that the enabled maps make at all pairs of places ``u`` and ``v``; u varies faster."""
     columns = {}
     normals = None
     for token, found in _enabled(gl, 2):
@@ -208,7 +208,9 @@ def _weights(polynomials, found, u, v):
 
 
 def _sum(weights, points):
-    """Points [order, ...] by weights [order, n], added in order, as no matrix product is: [n, ...]."""
+    """The sum of points [order, ...] times weights [order, n]: [n, ...]. Unlike a matrix product, it adds in
+    order.
+    """
     shape = (-1,) + (1,) * (points.ndim - 1)
     total = weights[0].reshape(shape) * points[0]
     for weight, point in zip(weights[1:], points[1:], strict=True):
@@ -223,13 +225,13 @@ def _sum_of_both(by_u, by_v, points):
 
 
 def _normals(found, positions, u, v, by_u, by_v):
-    """Unit normals of a surface; where the two tangents are parallel, the normal is zero."""
+    """Unit normals of a surface. If the two tangents are parallel, the normal is zero."""
     slopes_u, slopes_v = _weights(bernstein_slopes, found, u, v)
     u1, u2, v1, v2 = found.domain
     along_u = _sum_of_both(slopes_u, by_v, found.points) / (u2 - u1)
     along_v = _sum_of_both(by_u, slopes_v, found.points) / (v2 - v1)
     if positions.shape[1] == 4:
-        # The quotient rule for (x, y, z)/w, times w^2, which is no matter to the direction.
+        # The quotient rule for (x, y, z)/w, times w^2, which does not change the direction.
         w = positions[:, 3:]
         along_u, along_v = [s[:, :3] * w - positions[:, :3] * s[:, 3:] for s in (along_u, along_v)]
     normal = np.cross(along_u, along_v)
@@ -239,7 +241,7 @@ def _normals(found, positions, u, v, by_u, by_v):
 
 
 def _enabled(gl, dimensions):
-    """The maps in effect: of those of one column, the one with most components. Nothing without vertices."""
+    """The maps in effect: for each column, the one with most components. None without a map of vertices."""
     chosen: dict[str, tuple[int, Map]] = {}
     for token, (of, _, column) in MAPS.items():
         if of == dimensions and column and gl.values[("enabled", token)]:
@@ -251,7 +253,7 @@ def _enabled(gl, dimensions):
 
 
 def _give_vertex(gl, columns: dict[str, np.ndarray]):
-    """Add a vertex with evaluated values, which do not become current ones."""
+    """Add a vertex with evaluated values. These do not become current values."""
     if "positions" not in columns or gl.begun is None:
         return
     now = gl.current
@@ -287,7 +289,7 @@ _register_eval_coordinates()
 
 @np.errstate(all="ignore")
 def _grid(places, count, low, high):
-    """Places of a grid by their numbers. Those of number 0 and ``count`` are exactly its ends."""
+    """Places of a grid by their numbers. Numbers 0 and ``count`` give exactly the ends of the grid."""
     places = np.asarray(places)
     at = places * ((high - low) / count) + low
     return np.where(places == count, high, np.where(places == 0, low, at))
@@ -295,13 +297,13 @@ def _grid(places, count, low, high):
 
 @entry("EvalPoint1", inside=True)
 def eval_point1(gl, i):
-    """EvalCoord1 of a place of the grid."""
+    """Do what EvalCoord1 does, at a place of the grid."""
     _give_vertex(gl, _evaluated1(gl, _grid([i], *gl.values["map_grid1"])))
 
 
 @entry("EvalPoint2", inside=True)
 def eval_point2(gl, i, j):
-    """EvalCoord2 of a place of the grid."""
+    """Do what EvalCoord2 does, at a place of the grid."""
     grid = gl.values["map_grid2"]
     _give_vertex(gl, _evaluated2(gl, _grid([i], *grid[:3]), _grid([j], *grid[3:])))
 
@@ -347,9 +349,9 @@ def eval_mesh2(gl, mode, u_first, u_last, v_first, v_last):
 
 
 def _draw(gl, mode, columns: dict[str, np.ndarray], count, strips):
-    """Draw evaluated vertices, or strips of them; what is not evaluated is the current value.
+    """Draw evaluated vertices, or strips of them. Attributes without a map have their current values.
 
-    ``strips``: int [strips, length], or None: the vertices in order.
+    ``strips``: vertex numbers, int [strips, length]; None: draw the vertices in order.
     """
     least = {tokens.POINTS: 1, tokens.LINE_STRIP: 2, tokens.QUAD_STRIP: 4}[mode]
     if "positions" not in columns or (strips is not None and (strips.shape[1] < least or not len(strips))):

@@ -1,7 +1,7 @@
-"""What a machine's driver lists: the extensions that its profile has the features of, and its version.
+"""The version and the extensions that a machine's driver lists: those whose features the profile has.
 
-Inferred: from the profile alone. Drivers' own lists of 1999 to 2001 had others too, whose features every
-machine here has or no machine has.
+Inferred: from the profile alone. Drivers' own lists of 1999 to 2001 had others too. Either every machine here
+has their features, or none has.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,7 +21,7 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.profiles.profile import Profile
 
-# The version of every machine here: the core is OpenGL 1.2.1's, and all else an extension.
+# The version of every machine here: the core is OpenGL 1.2.1, and everything else is an extension.
 VERSION = "1.2.1"
 
 
@@ -29,7 +29,7 @@ def _always(profile: Profile) -> bool:
     return True
 
 
-# Whether a profile has an extension's features.
+# For each extension, a function that says whether a profile has its features.
 EXTENSIONS: Mapping[str, Callable[[Profile], bool]] = {
     "GL_ARB_imaging": lambda p: p.pixels.convolution and p.pixels.histogram and p.pixels.color_matrix,
     "GL_ARB_multisample": lambda p: max(p.framebuffers.samples) > 1,

@@ -18,7 +18,7 @@ FOG_SOURCES = {
     tokens.FRAGMENT_DEPTH: FogCoordinateSource.FRAGMENT_DEPTH,
     tokens.FOG_COORD: FogCoordinateSource.FOG_COORDINATE,
 }
-# Parameters of one number: the value's key.
+# Parameters of one number, and the key of each one's value.
 FOG_NUMBERS = {
     tokens.FOG_DENSITY: "fog_density",
     tokens.FOG_START: "fog_start",
@@ -66,15 +66,15 @@ def _fog(gl, enabled, mode, density, start, end, color, source, distance, combin
     return replace(fog, registers=registers)
 
 
-# Input A of the final combiner that blends fog in: input C, its colour, has a weight of 1 - A, which is
-# then 0.
+# Input A of a final combiner that blends fog. Disabled fog has a factor of 1, so input C, the fog colour, has
+# the weight 1 - A = 0.
 _FACTOR = CombinerInput(Register.FOG, usage=ComponentUsage.ALPHA)
 
 
 def _color_alone(color, combiners):
-    """Disabled fog whose colour register combiners read: its factor is one everywhere.
+    """The Fog for disabled fog if register combiners read its colour; its factor is one everywhere.
 
-    Source: NV_register_combiners (FOG's colour is the fog colour; its alpha is one where fog is disabled).
+    Source: NV_register_combiners (FOG's colour is the fog colour; its alpha is one if fog is disabled).
     """
     if combiners is None or not any(color[:3]) or not _read_fog_color(combiners):
         return None
@@ -82,7 +82,7 @@ def _color_alone(color, combiners):
 
 
 def _read_fog_color(combiners):
-    """Whether combiners read the FOG register's colour in a place where it can be seen."""
+    """Whether combiners read the FOG register's colour in an input where it can have an effect."""
     final = combiners.final
     inputs = [getattr(final, name) for name in ("abdefg" if final.a == _FACTOR else "abcdefg")]
     for stage in combiners.general:

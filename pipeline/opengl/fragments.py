@@ -1,4 +1,4 @@
-"""Rasterization's modes, per-fragment operations and whole framebuffers (OpenGL 1.2.1 chapters 3 and 4)."""
+"""Modes of rasterization, per-fragment operations and whole framebuffers (OpenGL 1.2.1 chapters 3 and 4)."""
 
 import math
 
@@ -36,9 +36,9 @@ from fixedpipe.pipeline.state import (
 
 
 def words(enumeration, **other_names):
-    """{token: member} of an enumeration whose members have the tokens' names, but for a vendor's suffix.
+    """{token: member} of an enumeration whose members have the tokens' names, except for a vendor's suffix.
 
-    ``other_names``: member's name = token's name, where the two differ.
+    ``other_names``: {member's name: token's name} for members whose token has another name.
     """
     found = {}
     for member in enumeration:
@@ -156,7 +156,7 @@ def _polygon(
 
 
 def _smooths(gl, enabled, capability_name, what):
-    """Whether the machine smooths what it is to smooth; where it does not, that is counted."""
+    """Whether an enabled smooth mode takes effect. If the machine cannot smooth, this is counted."""
     if enabled and not gl.profile.primitives.smoothing_samples:
         gl.tally.add("no effect", f"{capability_name}: {gl.profile.name} has no smooth {what}")
         return False
@@ -183,21 +183,21 @@ def _line(gl, width, stipple, pattern, smooth):
 
 @entry("CullFace")
 def cull_face(gl, mode):
-    """Which faces CULL_FACE discards."""
+    """Set which faces CULL_FACE discards."""
     member(FACES, mode)
     gl.values.set("cull_face_mode", mode)
 
 
 @entry("FrontFace")
 def front_face(gl, mode):
-    """Which orientation faces the front."""
+    """Set the orientation of front faces."""
     member(FRONT_FACES, mode)
     gl.values.set("front_face", mode)
 
 
 @entry("PolygonMode")
 def polygon_mode(gl, face, mode):
-    """How polygons are drawn (section 3.5.4)."""
+    """Set how polygons are drawn (section 3.5.4)."""
     member(POLYGON_MODES, mode)
     member(FACES, face)
     if face != tokens.BACK:
@@ -208,26 +208,26 @@ def polygon_mode(gl, face, mode):
 
 @entry("PolygonOffset")
 def polygon_offset(gl, factor, units):
-    """The depth offset (section 3.5.5)."""
+    """Set the depth offset (section 3.5.5)."""
     gl.values.set("polygon_offset", (float(factor), float(units)))
 
 
 @entry("PolygonOffsetEXT")
 def polygon_offset_ext(gl, factor, bias):
-    """The depth offset, whose bias is a depth from 0 to 1 (EXT_polygon_offset)."""
+    """Set the depth offset; its bias is a depth from 0 to 1 (EXT_polygon_offset)."""
     polygon_offset(gl, factor, bias * ((1 << gl.profile.widest_depth) - 1))
 
 
 @entry("ShadeModel")
 def shade_model(gl, mode):
-    """FLAT or SMOOTH."""
+    """Set the shade model, FLAT or SMOOTH."""
     member(SHADE_MODELS, mode)
     gl.values.set("shade_model", mode)
 
 
 @entry("ProvokingVertex")
 def provoking_vertex(gl, mode):
-    """Which vertex gives a flat primitive's colour (EXT_provoking_vertex)."""
+    """Set which vertex determines the colour of a flat primitive (EXT_provoking_vertex)."""
     first, last = 0x8E4D, 0x8E4E  # FIRST_VERTEX_CONVENTION_EXT, LAST_VERTEX_CONVENTION_EXT
     chosen = member({first: ProvokingVertex.FIRST, last: ProvokingVertex.LAST}, mode)
     gl.values.set("provoking_vertex", chosen)
@@ -235,7 +235,7 @@ def provoking_vertex(gl, mode):
 
 @entry("LineWidth")
 def line_width(gl, width):
-    """The width of lines, in pixels."""
+    """Set the width of lines, in pixels."""
     if not width > 0:
         raise GLError(tokens.INVALID_VALUE)
     gl.values.set("line_width", float(width))
@@ -243,7 +243,7 @@ def line_width(gl, width):
 
 @entry("LineStipple")
 def line_stipple(gl, factor, pattern):
-    """The stipple of lines; the factor is clamped to [1, 256]."""
+    """Set the stipple of lines; the factor is clamped to [1, 256]."""
     gl.values.set("line_stipple", (min(max(int(factor), 1), 256), int(pattern) & 0xFFFF))
 
 
@@ -327,7 +327,7 @@ def _depth_test(gl, enabled, function, mask):
     "blend_color",
 )
 def _blending(gl, enabled, logic, factors, equation, color):
-    # Section 4.1.8: an enabled COLOR_LOGIC_OP takes blending's place.
+    # Section 4.1.8: an enabled COLOR_LOGIC_OP replaces blending.
     if not enabled or logic:
         return None
     source, destination = [BLEND_FACTORS[factor] for factor in factors]
@@ -346,7 +346,7 @@ def _color_mask(gl, mask):
 
 @entry("Scissor")
 def scissor(gl, x, y, width, height):
-    """The scissor box (section 4.1.2)."""
+    """Set the scissor box (section 4.1.2)."""
     if width < 0 or height < 0:
         raise GLError(tokens.INVALID_VALUE)
     gl.values.set("scissor", (int(x), int(y), int(width), int(height)))
@@ -354,21 +354,21 @@ def scissor(gl, x, y, width, height):
 
 @entry("AlphaFunc")
 def alpha_func(gl, function, reference):
-    """The alpha test (section 4.1.3)."""
+    """Set the alpha test (section 4.1.3)."""
     member(COMPARISONS, function)
     gl.values.set("alpha_function", (function, *clamped(reference)))
 
 
 @entry("StencilFunc")
 def stencil_func(gl, function, reference, mask):
-    """The stencil test (section 4.1.4)."""
+    """Set the stencil test (section 4.1.4)."""
     member(COMPARISONS, function)
     gl.values.set("stencil_function", (function, int(reference), int(mask) & 0xFFFFFFFF))
 
 
 @entry("StencilOp")
 def stencil_op(gl, *operations):
-    """What becomes of stencil values."""
+    """Set the operations on stencil values."""
     for operation in operations:
         member(STENCIL_OPERATIONS, operation)
     fail, depth_fail, depth_pass = operations
@@ -376,54 +376,54 @@ def stencil_op(gl, *operations):
 
 
 def _of_both_faces(face):
-    """Refuse a stencil state of one face: no machine here has EXT_stencil_two_side."""
+    """Refuse a stencil state for one face, because no machine here has EXT_stencil_two_side."""
     if member(FACES, face) is not Face.FRONT_AND_BACK:
         raise Refused("a stencil state of one face alone: no machine here has EXT_stencil_two_side")
 
 
 @entry("StencilFuncSeparate")
 def stencil_func_separate(gl, face, function, reference, mask):
-    """The stencil test of both faces (OpenGL 2.0)."""
+    """Set the stencil test of both faces (OpenGL 2.0)."""
     _of_both_faces(face)
     stencil_func(gl, function, reference, mask)
 
 
 @entry("StencilOpSeparate")
 def stencil_op_separate(gl, face, *operations):
-    """What becomes of stencil values under both faces (OpenGL 2.0)."""
+    """Set the operations on stencil values for both faces (OpenGL 2.0)."""
     _of_both_faces(face)
     stencil_op(gl, *operations)
 
 
 @entry("StencilMaskSeparate")
 def stencil_mask_separate(gl, face, mask):
-    """Which bits of stencil values both faces write (OpenGL 2.0)."""
+    """Set which bits of stencil values both faces write (OpenGL 2.0)."""
     _of_both_faces(face)
     stencil_mask(gl, mask)
 
 
 @entry("StencilMask")
 def stencil_mask(gl, mask):
-    """Which bits of stencil values are written."""
+    """Set which bits of stencil values are written."""
     gl.values.set("stencil_write_mask", int(mask) & 0xFFFFFFFF)
 
 
 @entry("DepthFunc")
 def depth_func(gl, function):
-    """The depth test (section 4.1.5)."""
+    """Set the depth test (section 4.1.5)."""
     member(COMPARISONS, function)
     gl.values.set("depth_function", function)
 
 
 @entry("DepthMask")
 def depth_mask(gl, flag):
-    """Whether depths are written."""
+    """Set whether depths are written."""
     gl.values.set("depth_mask", bool(flag))
 
 
 @entry("BlendFunc")
 def blend_func(gl, source, destination):
-    """The blend factors (section 4.1.6)."""
+    """Set the blend factors (section 4.1.6)."""
     member(BLEND_FACTORS, source)
     member(BLEND_FACTORS, destination)
     gl.values.set("blend_factors", (source, destination))
@@ -431,7 +431,9 @@ def blend_func(gl, source, destination):
 
 @entry("BlendFuncSeparate")
 def blend_func_separate(gl, source, destination, source_alpha, destination_alpha):
-    """EXT_blend_func_separate. Refused where the two differ: no machine here blends alpha otherwise."""
+    """Set the blend factors (EXT_blend_func_separate). Other factors for alpha are refused: no machine here
+    has them.
+    """
     if (source, destination) != (source_alpha, destination_alpha):
         raise Refused(
             "blending alpha by other factors than colours: no machine here has EXT_blend_func_separate"
@@ -441,14 +443,14 @@ def blend_func_separate(gl, source, destination, source_alpha, destination_alpha
 
 @entry("BlendEquation")
 def blend_equation(gl, equation):
-    """The blend equation."""
+    """Set the blend equation."""
     member(BLEND_EQUATIONS, equation)
     gl.values.set("blend_equation", equation)
 
 
 @entry("BlendEquationSeparate")
 def blend_equation_separate(gl, equation, alpha_equation):
-    """EXT_blend_equation_separate. Refused where the two differ: no machine here has it."""
+    """Set the blend equation (EXT_blend_equation_separate). Another equation for alpha is refused."""
     if equation != alpha_equation:
         raise Refused("blending alpha by another equation than colours: no machine here does so")
     blend_equation(gl, equation)
@@ -456,20 +458,20 @@ def blend_equation_separate(gl, equation, alpha_equation):
 
 @entry("BlendColor")
 def blend_color(gl, *color):
-    """The constant blend colour."""
+    """Set the constant blend colour."""
     gl.values.set("blend_color", clamped(*color))
 
 
 @entry("LogicOp")
 def logic_op(gl, operation):
-    """The logic operation (section 4.1.8)."""
+    """Set the logic operation (section 4.1.8)."""
     member(LOGIC_OPERATIONS, operation)
     gl.values.set("logic_operation", operation)
 
 
 @entry("ColorMask")
 def color_mask(gl, *mask):
-    """Which components are written."""
+    """Set which components of colours are written."""
     gl.values.set("color_mask", tuple(map(bool, mask)))
 
 
@@ -489,7 +491,7 @@ _BUFFERS = {
 
 @entry("DrawBuffer")
 def draw_buffer(gl, buffer):
-    """Which colour buffer is written (section 4.2.1)."""
+    """Set which colour buffer is written (section 4.2.1)."""
     if buffer not in _BUFFERS:
         raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
     gl.values.set("draw_buffer", buffer)
@@ -497,7 +499,7 @@ def draw_buffer(gl, buffer):
 
 @entry("DrawBuffers")
 def draw_buffers(gl, count, buffers):
-    """One colour buffer that is written (ARB_draw_buffers); several are refused."""
+    """Set the one colour buffer that is written (ARB_draw_buffers). Several buffers are refused."""
     if count < 0:
         raise GLError(tokens.INVALID_VALUE)
     if count > 1:
@@ -507,7 +509,7 @@ def draw_buffers(gl, count, buffers):
 
 @entry("ReadBuffer")
 def read_buffer(gl, buffer):
-    """Which colour buffer is read (section 4.3.2)."""
+    """Set which colour buffer is read (section 4.3.2)."""
     if buffer not in _BUFFERS or buffer == tokens.NONE:
         raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
     gl.values.set("read_buffer", buffer)
@@ -515,25 +517,25 @@ def read_buffer(gl, buffer):
 
 @entry("ClearColor")
 def clear_color(gl, *color):
-    """The colour that Clear writes."""
+    """Set the colour that Clear writes."""
     gl.values.set("clear_color", clamped(*color))
 
 
 @entry("ClearDepth", "ClearDepthf")
 def clear_depth(gl, depth):
-    """The depth that Clear writes."""
+    """Set the depth that Clear writes."""
     gl.values.set("clear_depth", clamped(depth)[0])
 
 
 @entry("ClearStencil")
 def clear_stencil(gl, value):
-    """The stencil value that Clear writes."""
+    """Set the stencil value that Clear writes."""
     gl.values.set("clear_stencil", int(value) & 0xFF)
 
 
 @entry("ClearAccum")
 def clear_accum(gl, *color):
-    """The value that Clear writes into the accumulation buffer."""
+    """Set the value that Clear writes into the accumulation buffer."""
     gl.values.set("clear_accum", tuple([min(max(float(c), -1.0), 1.0) for c in color]))
 
 

@@ -1,10 +1,10 @@
-"""BlitFramebuffer (EXT_framebuffer_blit): a rectangle of one framebuffer, copied into another.
+"""BlitFramebuffer (EXT_framebuffer_blit) copies a rectangle of one framebuffer into another.
 
-No machine here had it, and a program of their time had two ways. Within a framebuffer it called CopyPixels;
-PixelZoom scales and mirrors, and takes the same pixels as NEAREST does. Between two framebuffers it read the
-pixels and drew them. Both are what happens here. Of all tests the scissor box alone applies.
+No machine here had it. Programs of their time used two ways, and this module does the same. Within a
+framebuffer they called CopyPixels; PixelZoom scales and mirrors, and selects the same pixels as NEAREST.
+Between two framebuffers they read the pixels and drew them. Of all tests only the scissor test applies.
 
-A scaled copy that is filtered is refused: no machine here filters a rectangle of pixels.
+A scaled copy with a filter is refused, because no machine here filters a rectangle of pixels.
 """
 
 from collections.abc import Iterator
@@ -33,8 +33,8 @@ _ALL = tokens.COLOR_BUFFER_BIT | tokens.DEPTH_BUFFER_BIT | tokens.STENCIL_BUFFER
 class Side(NamedTuple):
     """A copy along one axis.
 
-    - ``first``, ``count``: the pixels that are read, within their framebuffer.
-    - ``place``, ``zoom``: where the first one's edge is drawn, and how far each goes from there.
+    - ``first``, ``count``: the first pixel that is read, within its framebuffer, and how many are read.
+    - ``place``, ``zoom``: where the edge of the first pixel is drawn, and how long each pixel becomes.
     """
 
     first: int
@@ -44,7 +44,7 @@ class Side(NamedTuple):
 
 
 def side(source: tuple[int, int], target: tuple[int, int], size: int) -> Side:
-    """The copy from ``source`` to ``target``, (begin, end) each, of a framebuffer that is ``size`` long.
+    """The copy from ``source`` to ``target``, each (begin, end). ``size``: the framebuffer's length, pixels.
 
     Pixels outside the framebuffer are not copied.
     """
@@ -58,7 +58,7 @@ def side(source: tuple[int, int], target: tuple[int, int], size: int) -> Side:
 
 @entry("BlitFramebuffer", compiled=False)
 def blit_framebuffer(gl, *arguments):
-    """Copy a rectangle of what is bound for reading to what is bound for drawing."""
+    """Copy a rectangle from the framebuffer bound for reading to the one bound for drawing."""
     corners, (mask, filtering) = [int(number) for number in arguments[:8]], arguments[8:]
     left, bottom, right, top, to_left, to_bottom, to_right, to_top = corners
     _check(mask, filtering)
@@ -86,7 +86,7 @@ def blit_framebuffer(gl, *arguments):
 
 
 def _check(mask, filtering):
-    """Raise GLError for what the extension has errors for."""
+    """Raise GLError for arguments that are errors in the extension."""
     if mask & ~_ALL:
         raise GLError(tokens.INVALID_VALUE, f"{mask:#x} is no mask of buffers that are copied")
     if filtering not in (tokens.NEAREST, tokens.LINEAR):
@@ -96,7 +96,7 @@ def _check(mask, filtering):
 
 
 def _kinds(gl, mask) -> Iterator[PixelCopyType]:
-    """What is copied; a buffer that is not there is not (as without it)."""
+    """The kinds of values to copy. A buffer that does not exist is skipped."""
     for bit, kind in _KINDS.items():
         there = kind is not PixelCopyType.STENCIL or gl.profile.framebuffers.stencil_bits
         if kind is PixelCopyType.COLOR:
@@ -106,7 +106,7 @@ def _kinds(gl, mask) -> Iterator[PixelCopyType]:
 
 
 def _state(gl, kind) -> PassState:
-    """The state of a rectangle that the scissor box alone cuts."""
+    """The state that draws a rectangle with only the scissor test."""
     box: Scissor | None = gl.values.section("scissor section")
     if kind is not PixelCopyType.DEPTH:
         return PassState(scissor=box, draw_buffer=_drawn(gl))
@@ -142,7 +142,7 @@ def _copied_within(gl, kind, across, up):
 
 
 def _copy_between(gl, kind, across, up, read: Surface | None, size):
-    """Read in the one framebuffer, and draw in the other, whose pbuffer is current."""
+    """Read from one framebuffer, and draw into the other, whose pbuffer is current."""
     label, box = _label(gl), (across.first, up.first, across.count, up.count)
     before = gl.values["pbuffer"]
     if gl.behind is None:

@@ -1,14 +1,13 @@
 """Framebuffer objects (EXT_framebuffer_object): pbuffers, whose colours become textures.
 
-The machines here had pbuffers, and no framebuffer objects. What is drawn into an attached image goes into
-a pbuffer of its size (MakeCurrent), which begins with the image's texels. When another framebuffer is bound,
-the texture is defined from the pbuffer: by BindTexImage, or by CopyTexSubImage where it has several levels or
-faces, or depths. A texture that is read while it is drawn into, which OpenGL leaves undefined, keeps its
-earlier texels.
+The machines here had pbuffers, and no framebuffer objects. Draws into an attached image go into a pbuffer of
+its size (MakeCurrent), which first gets the image's texels. When another framebuffer is bound, the texture is
+defined from the pbuffer: by BindTexImage, or by CopyTexSubImage if it has several levels or faces, or depths.
+If a program reads a texture while it draws into it (undefined in OpenGL), it reads the earlier texels.
 
-An image that the machine does not store, as of 160 x 160 texels, is a pbuffer all the same; no draw reads it.
-Every pbuffer has its own depths and stencil values: two objects that share a renderbuffer do not share them.
-What is drawn while an object is incomplete, which OpenGL ignores, goes into a pbuffer of one pixel.
+An image that the machine cannot store, such as 160 x 160 texels, is also a pbuffer; no draw can read it.
+Every pbuffer has its own depths and stencil values, so two objects that share a renderbuffer do not share
+them. OpenGL ignores draws while an object is incomplete; here they go into a pbuffer of one pixel.
 """
 
 from dataclasses import dataclass, field, replace
@@ -41,7 +40,7 @@ _COLOR, _DEPTH, _STENCIL = (
 )
 _OF_DEPTHS = (_DEPTH, _STENCIL)
 _FACES = {tokens.TEXTURE_CUBE_MAP_POSITIVE_X + face: face for face in range(6)}
-_OPAQUE = ColorFormat.X8R8G8B8_O8R8G8B8  # its alpha is one, as that of an image without alpha
+_OPAQUE = ColorFormat.X8R8G8B8_O8R8G8B8  # its alpha is one, as in an image without alpha
 
 declare("draw_framebuffer", 0)
 declare("read_framebuffer", 0)
@@ -59,7 +58,7 @@ class Attachment(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """A pbuffer for an attached image; ``complete``: for that of a complete object."""
+    """A pbuffer for an attached image. ``complete``: whether the framebuffer object is complete."""
 
     name: str
     width: int
@@ -73,7 +72,7 @@ class FramebufferObject:
     """A framebuffer object.
 
     - ``attachments``: {attachment point: Attachment}.
-    - ``draw_buffer``, ``read_buffer``: while it is bound.
+    - ``draw_buffer``, ``read_buffer``: the buffers that are drawn and read while the object is bound.
     """
 
     attachments: dict[int, Attachment] = field(default_factory=dict)
@@ -82,7 +81,7 @@ class FramebufferObject:
 
 
 class Renderbuffer(NamedTuple):
-    """A renderbuffer: an image that is no texture."""
+    """A renderbuffer: an image that does not belong to a texture."""
 
     width: int = 0
     height: int = 0
@@ -90,11 +89,11 @@ class Renderbuffer(NamedTuple):
 
 
 def bind_window(gl: Context, drawable: Drawable) -> None:
-    """Make a drawable of the window system framebuffer 0."""
+    """Make framebuffer 0 a drawable of the window system."""
     if drawable is gl.window:
         return
     gl.window = gl.drawable = drawable
-    gl.values.set("pbuffer", None)  # another machine, whose window commands draw into
+    gl.values.set("pbuffer", None)  # this drawable has another machine, and commands draw into its window
     _activate(gl)
 
 
@@ -102,7 +101,7 @@ def bind_window(gl: Context, drawable: Drawable) -> None:
 
 
 def _activate(gl):
-    """Draw into what is bound."""
+    """From now on draw into the bound framebuffer."""
     number = gl.values["draw_framebuffer"]
     surface = surface_of(gl, number) if number else None
     before = gl.values["pbuffer"]
@@ -124,7 +123,7 @@ def _activate(gl):
 
 
 def made_current(label: str, surface: Surface | None) -> MakeCurrent:
-    """The command that draws into a surface; None: into the window."""
+    """The command after which commands draw into a surface; None: into the window."""
     if surface is None:
         return MakeCurrent(label=label)
     size = {"width": surface.width, "height": surface.height}
@@ -136,7 +135,7 @@ def _label(gl):
 
 
 def surface_of(gl: Context, number: int) -> Surface:
-    """The Surface of an object; one of a single pixel where it is incomplete."""
+    """The Surface of an object. If the object is incomplete, the Surface has one pixel."""
     found = gl.shared.framebuffers[number]
     if _status(gl, found) != tokens.FRAMEBUFFER_COMPLETE_EXT:
         return Surface(f"incomplete framebuffer object {number}", 1, 1, complete=False)
@@ -153,7 +152,7 @@ def surface_of(gl: Context, number: int) -> Surface:
 
 
 def begin_with_texels(gl: Context, number: int, surface: Surface, label: str) -> None:
-    """Give the pbuffer the texels that the program gave to the image, unless it has them."""
+    """Draw the texels of the image, as the program defined them, into the pbuffer, unless it has them."""
     attachment = gl.shared.framebuffers[number].attachments.get(_COLOR)
     if attachment is not None and attachment.texture is not None:
         attachment.texture.settle()
@@ -175,7 +174,7 @@ def begin_with_texels(gl: Context, number: int, surface: Surface, label: str) ->
 
 
 def _leave(gl, number, surface):
-    """Define the textures of the object whose pbuffer was drawn into."""
+    """Define the textures of an object after draws into its pbuffer."""
     if not surface.complete or (gl.commands and isinstance(gl.commands[-1], MakeCurrent)):
         return  # nothing was drawn into it
     attachments = gl.shared.framebuffers[number].attachments
@@ -229,14 +228,14 @@ def _define(gl, attachment, surface):
 
 
 def _image(attachment):
-    """The attached Image of a texture; None: the machine stores none, or it is a renderbuffer."""
+    """The attached Image of a texture; None if the machine cannot store it, or if it is a renderbuffer."""
     if attachment.texture is None:
         return None
     return attachment.texture.images.get((attachment.face, attachment.level))
 
 
 def _size(gl, attachment):
-    """The width and height of an attached image; (0, 0) where there is none."""
+    """The width and height of an attached image; (0, 0) if there is none."""
     if attachment.texture is None:
         found = gl.shared.renderbuffers.get(attachment.name)
         return (0, 0) if found is None else (found.width, found.height)
@@ -269,7 +268,7 @@ _DEPTH_FORMATS = frozenset(
 
 
 def _status(gl, found):
-    """What CheckFramebufferStatus says of an object (section 4.4.4.2 of EXT_framebuffer_object)."""
+    """The result of CheckFramebufferStatus for an object (section 4.4.4.2 of EXT_framebuffer_object)."""
     if not found.attachments:
         return tokens.FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT_EXT
     sizes = [_size(gl, attachment) for attachment in found.attachments.values()]
@@ -296,7 +295,7 @@ def _binding(target):
 
 
 def _bound(gl, target):
-    """The object that is bound to a target. Raises GLError for framebuffer 0."""
+    """The object bound to a target. Raises GLError for framebuffer 0."""
     number = gl.values[_binding(target)[0]]
     if not number:
         raise GLError(tokens.INVALID_OPERATION, "no framebuffer object is bound")
@@ -304,7 +303,7 @@ def _bound(gl, target):
 
 
 def _new_names(objects, number, names):
-    """Unused names, or those of the recorded program, which are taken."""
+    """Unused names, or those of the recorded program. From now on they are in use."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE)
     if names is None:
@@ -320,13 +319,13 @@ _MOST_NAMES = 1 << 16
 
 @entry("GenFramebuffers", compiled=False)
 def gen_framebuffers(gl, number, names=None):
-    """Give unused names, or take those of the recorded program."""
+    """Return unused names, or use the names of the recorded program."""
     return _new_names(gl.shared.framebuffers, number, names)
 
 
 @entry("BindFramebuffer", compiled=False)
 def bind_framebuffer(gl, target, name):
-    """Bind an object, which comes into being here, or with 0 the window."""
+    """Bind an object, or with 0 the window. The first call with a name creates its object."""
     keys = _binding(target)
     if name and gl.shared.framebuffers.get(name) is None:
         gl.shared.framebuffers[name] = FramebufferObject()
@@ -338,7 +337,9 @@ def bind_framebuffer(gl, target, name):
 
 
 def _exchange_buffers(gl, name):
-    """Each framebuffer has its own draw and read buffer; the window's are kept while an object is bound."""
+    """Exchange the draw and read buffers: each framebuffer has its own. Those of the window are stored while
+    an object is bound.
+    """
     before = gl.values["draw_framebuffer"]
     if before == name:
         return
@@ -362,7 +363,7 @@ declare("window_buffers", (tokens.BACK, tokens.BACK))
 
 @entry("DeleteFramebuffers", compiled=False)
 def delete_framebuffers(gl, number, names):
-    """Delete objects; where one is bound, the window is bound instead."""
+    """Delete objects. If one of them is bound, the window is bound instead."""
     for name in numbers_of(names)[:number]:
         for target, keys in (
             (_DRAW_FRAMEBUFFER, "draw_framebuffer"),
@@ -376,15 +377,15 @@ def delete_framebuffers(gl, number, names):
 
 @entry("IsFramebuffer", compiled=False)
 def is_framebuffer(gl, name):
-    """Whether a name is an object's."""
+    """Whether a name belongs to a framebuffer object."""
     return gl.shared.framebuffers.get(name) is not None
 
 
 @entry("CheckFramebufferStatus", compiled=False)
 def check_framebuffer_status(gl, target):
-    """Whether what is bound can be drawn into."""
+    """Whether the bound framebuffer is complete, as a token."""
     number = gl.values[_binding(target)[0]]
-    _activate(gl)  # images may have come since they were attached
+    _activate(gl)  # attached textures may have got images since
     if not number:
         return tokens.FRAMEBUFFER_COMPLETE_EXT
     return _status(gl, gl.shared.framebuffers[number])
@@ -398,7 +399,7 @@ def _attach(gl, target, point, attachment):
             raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(point)} is no attachment point")
     before = gl.values["pbuffer"]
     if before is not None and gl.shared.framebuffers[before[0]] is found:
-        _leave(gl, *before)  # its texture may be attached no longer
+        _leave(gl, *before)  # after this call its texture may not be attached any more
         gl.values.set("pbuffer", None)
     for each in points:
         if attachment is None:
@@ -410,7 +411,7 @@ def _attach(gl, target, point, attachment):
 
 @entry("FramebufferTexture1D", "FramebufferTexture2D", compiled=False)
 def framebuffer_texture(gl, target, point, texture_target, name, level):
-    """Attach a level of a texture, of a cube map a face of it; 0 detaches."""
+    """Attach a level of a texture, or a face and level of a cube map. The name 0 detaches."""
     if not name:
         _attach(gl, target, point, None)
         return
@@ -423,19 +424,19 @@ def framebuffer_texture(gl, target, point, texture_target, name, level):
 
 @entry("FramebufferTexture3D", "FramebufferTextureLayer", "FramebufferTexture", compiled=False)
 def framebuffer_slice(gl, *arguments):
-    """A slice of a volume: a pbuffer's colours become no part of a 3D texture."""
+    """Refuse a slice of a volume: a pbuffer's colours cannot become a part of a 3D texture."""
     raise Refused("drawing into a layer of a texture; pbuffers become 2D textures alone")
 
 
 @entry("FramebufferRenderbuffer", compiled=False)
 def framebuffer_renderbuffer(gl, target, point, renderbuffer_target, name):
-    """Attach a renderbuffer; 0 detaches."""
+    """Attach a renderbuffer. The name 0 detaches."""
     _attach(gl, target, point, Attachment(int(name)) if name else None)
 
 
 @entry("GetFramebufferAttachmentParameteriv", compiled=False)
 def get_attachment_parameter(gl, target, point, name, answer=None):
-    """What is attached: its kind, its name, its level, its face."""
+    """A parameter of an attachment: its kind, name, level or face."""
     attachment = _bound(gl, target).attachments.get(point)
     if name == tokens.FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE_EXT:
         if attachment is None:
@@ -455,13 +456,13 @@ def get_attachment_parameter(gl, target, point, name, answer=None):
 
 @entry("GenRenderbuffers", compiled=False)
 def gen_renderbuffers(gl, number, names=None):
-    """Give unused names, or take those of the recorded program."""
+    """Return unused names, or use the names of the recorded program."""
     return _new_names(gl.shared.renderbuffers, number, names)
 
 
 @entry("BindRenderbuffer", compiled=False)
 def bind_renderbuffer(gl, target, name):
-    """Bind a renderbuffer, which comes into being here."""
+    """Bind a renderbuffer. The first call with its name creates it."""
     if target != tokens.RENDERBUFFER_EXT:
         raise GLError(tokens.INVALID_ENUM)
     if name and gl.shared.renderbuffers.get(name) is None:
@@ -484,13 +485,13 @@ def _store_renderbuffer(gl, target, internal_format, width, height):
 
 @entry("RenderbufferStorage", compiled=False)
 def renderbuffer_storage(gl, target, internal_format, width, height):
-    """Give the bound renderbuffer a format and a size."""
+    """Set the format and the size of the bound renderbuffer."""
     _store_renderbuffer(gl, target, internal_format, width, height)
 
 
 @entry("RenderbufferStorageMultisample", compiled=False)
 def renderbuffer_storage_multisample(gl, target, samples, internal_format, width, height):
-    """As RenderbufferStorage. Refused with samples: a renderbuffer has one here."""
+    """As RenderbufferStorage. Several samples are refused, because a renderbuffer has one here."""
     if samples > 1:
         raise Refused("a renderbuffer of several samples; it has one here")
     _store_renderbuffer(gl, target, internal_format, width, height)
@@ -498,7 +499,7 @@ def renderbuffer_storage_multisample(gl, target, samples, internal_format, width
 
 @entry("DeleteRenderbuffers", compiled=False)
 def delete_renderbuffers(gl, number, names):
-    """Delete renderbuffers, also from the bound object's attachments."""
+    """Delete renderbuffers, and detach them from the bound object."""
     for name in numbers_of(names)[:number]:
         if not name:
             continue
@@ -515,7 +516,7 @@ def delete_renderbuffers(gl, number, names):
 
 @entry("IsRenderbuffer", compiled=False)
 def is_renderbuffer(gl, name):
-    """Whether a name is a renderbuffer's."""
+    """Whether a name belongs to a renderbuffer."""
     return gl.shared.renderbuffers.get(name) is not None
 
 

@@ -46,7 +46,7 @@ PROXIES = {
     tokens.PROXY_TEXTURE_CUBE_MAP: tokens.TEXTURE_CUBE_MAP,
     tokens.PROXY_TEXTURE_RECTANGLE_NV: tokens.TEXTURE_RECTANGLE_NV,
 }
-# Formats of images that framebuffer objects alone draw into; their pbuffers have depths and stencil values.
+# Formats of images that only framebuffer objects use; their pbuffers have depths and stencil values.
 _WITH_STENCIL = {tokens.DEPTH_STENCIL_NV, tokens.DEPTH24_STENCIL8_EXT}
 _DIMENSIONS = {tokens.TEXTURE_1D: 1, tokens.TEXTURE_3D: 3}
 # {(proxy, level): ProxyImage}, as a tuple of pairs.
@@ -55,7 +55,7 @@ _WRITES_NOTHING = PassState(color_mask=ColorMask(False, False, False, False))
 
 
 class ProxyImage(NamedTuple):
-    """What a proxy says of an image that the machine could hold."""
+    """A proxy's answer for an image that the machine could store."""
 
     size: tuple[int, int, int]
     border: int
@@ -64,7 +64,7 @@ class ProxyImage(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where an image goes: the bound target, the face, and whether it is a proxy's."""
+    """The place of an image: the bound target, the face, and whether the target is a proxy."""
 
     target: int
     face: int
@@ -125,7 +125,7 @@ def _said(gl):
 
 
 def mark_changed(gl: Any, texture: TextureObject) -> None:
-    """Note that a texture's images differ from now on."""
+    """Note that a texture's images have changed."""
     texture.changed(_said(gl))
     mark(gl, texture)
 
@@ -135,7 +135,7 @@ def mark_changed(gl: Any, texture: TextureObject) -> None:
 
 @entry("TexImage1D", capture=captured(3))
 def tex_image_1d(gl, target, level, internal_format, width, border, image_format, image_type, image):
-    """Define an image of a line of texels."""
+    """Define an image of one row of texels."""
     _tex_image(
         gl, place_of(gl, target, 1), level, internal_format, (width, 1, 1), border, image_format, image
     )
@@ -158,8 +158,8 @@ def tex_image_3d(
 
 
 def _tex_image(gl, place, level, internal_format, size, border, image_format, image):
-    """Define an image, or ask by a proxy whether it could be."""
-    if not place.proxy:  # framebuffer objects draw also into what no machine stores
+    """Define an image, or find with a proxy whether the machine could store it."""
+    if not place.proxy:  # framebuffer objects can also draw into images that no machine stores
         bound_object(gl, place.target).asked[place.face, level] = (*size[:2], internal_format)
         if image is None and internal_format in _WITH_STENCIL:
             gl.tally.add("no effect", f"{gl.called}: depths and stencil values of a framebuffer object")
@@ -179,7 +179,7 @@ def _tex_image(gl, place, level, internal_format, size, border, image_format, im
         gl.tally.add("no effect", f"{gl.called}: the request to compress ({tokens.name_of(internal_format)})")
     try:
         found, unknown = given_image(image), None
-    except Refused as refusal:  # the texture is defined all the same, with what memory is not known
+    except Refused as refusal:  # the image's memory is not known; the texture is defined nevertheless
         found, unknown = None, refusal
     texels = _texels(gl, found, transfer, chosen, size, dimensions)
     define_image(gl, place, level, Image(size, border, internal_format, chosen, texels))
@@ -194,7 +194,7 @@ def _check_depths(place, chosen):
 
 
 def _texels(gl, image: ClientImage | None, transfer, chosen, size, dimensions) -> Texels | None:
-    """The Texels of an image; zeros without one; None where a sink took it."""
+    """The Texels of an image; zeros if there is no image; None if a sink discards it."""
     width, height, depth = size
     if image is None or 0 in size:
         return zero_texels(chosen, depth, height, width)
@@ -208,7 +208,7 @@ def _texels(gl, image: ClientImage | None, transfer, chosen, size, dimensions) -
 
 
 def count_groups(gl, image, transfer, dimensions):
-    """Have the machine count an image that becomes a texture: by rectangles of pixels that change none."""
+    """Let the machine count the groups of a texture's image: it draws pixels that change nothing."""
     if dimensions == 1:
         transfer = replace(transfer, convolution_2d=transfer.convolution_1d, separable_2d=None)
     elif dimensions == 3:
@@ -221,7 +221,7 @@ def count_groups(gl, image, transfer, dimensions):
 
 
 def define_image(gl, place, level, image: Image):
-    """Put an image in its place; without texels the earlier one of this size stays, or zeros."""
+    """Store an image in its place. Without texels, the earlier image of this size stays, or it is zeros."""
     texture, position = bound_object(gl, place.target), (place.face, level)
     if image.internal_format in INDICES and gl.values["enabled", tokens.SHARED_TEXTURE_PALETTE_EXT]:
         texture.shared_palette = gl.values["shared_palette"]
@@ -238,7 +238,7 @@ def define_image(gl, place, level, image: Image):
 
 
 def _without_border(gl, image, axes):
-    """The image, or what is inside its border on a machine that has none of one texel."""
+    """The image, or the part inside its border if the machine has no borders of one texel."""
     if not image.border or image.border in gl.profile.textures.texture_borders or image.texels is None:
         return image
     width, height, depth = [edge - 2 * (axis < axes) for axis, edge in enumerate(image.size)]
@@ -252,13 +252,13 @@ def _without_border(gl, image, axes):
 
 
 def _before_images_change(texture: TextureObject, level: int) -> None:
-    """Make the levels that are still due, unless what they are made from is about to change."""
+    """Make the smaller levels that are not made yet, unless the level that they are made from changes now."""
     if level != texture.stale:
         texture.settle()
 
 
 def after_images_changed(gl: Any, texture: TextureObject, level: int) -> None:
-    """Say that an image has changed; the smaller ones are due where they are made automatically."""
+    """Note that an image has changed. If smaller levels are made automatically, they must be made again."""
     rectangle = texture.target == tokens.TEXTURE_RECTANGLE_NV
     if texture.parameters.generate_mipmap and level == texture.parameters.base_level and not rectangle:
         _expect_smaller(gl, texture, level)
@@ -266,7 +266,7 @@ def after_images_changed(gl: Any, texture: TextureObject, level: int) -> None:
 
 
 def _expect_smaller(gl, texture, level):
-    """Have the levels above ``level`` made from it, when something needs them."""
+    """Note that the levels above ``level`` must be made from it, when something needs them."""
     faces = texture.level(level)
     if faces is None:
         return
@@ -278,7 +278,7 @@ def _expect_smaller(gl, texture, level):
         return
     texture.stale = level
     for face, image in enumerate(faces):
-        if image.texels is None:  # the machine will make them, in images that exist
+        if image.texels is None:  # the machine will make them, so images for them must exist
             for above, size in enumerate(sizes, level + 1):
                 held = texture.images.get((face, above))
                 if held is None or held.size != size or not held.like(image):
@@ -306,7 +306,7 @@ def generate_mipmap(gl, target):
 
 
 def ask_proxy(gl, place, level, internal_format, chosen, size, border):
-    """Keep what a proxy says: the image's size, or nothing where the machine could not hold it."""
+    """Store a proxy's answer: the image's size, or nothing if the machine could not store the image."""
     answer = ProxyImage(size, border, internal_format, chosen)
     try:
         check_image(gl, place, level, size, border)
@@ -323,7 +323,7 @@ def ask_proxy(gl, place, level, internal_format, chosen, size, border):
 
 @entry("TexSubImage1D", capture=captured(3))
 def tex_sub_image_1d(gl, target, level, x, width, image_format, image_type, image):
-    """Replace texels of a line."""
+    """Replace texels of a row."""
     _tex_sub_image(gl, place_of(gl, target, 1), level, (x, 0, 0), (width, 1, 1), image_format, image)
 
 
@@ -351,7 +351,7 @@ def existing_image(texture, place, level) -> Image:
 
 
 def check_box(texture, image, offset, size):
-    """Refuse a box that reaches outside an image with its border; return where it begins in the image."""
+    """Where a box begins in an image with its border. Raises GLError if it extends outside the image."""
     at = []
     for axis, (first, edge, whole) in enumerate(zip(offset, size, image.size, strict=True)):
         begins = first + (image.border if axis < texture.bordered_axes else 0)
@@ -365,7 +365,7 @@ def check_box(texture, image, offset, size):
 
 
 def _tex_sub_image(gl, place, level, offset, size, image_format, image):
-    """Replace a box of an image by a client's."""
+    """Replace a box of an image by an image of client memory."""
     texture, transfer = bound_object(gl, place.target), transfer_of(gl)
     held = existing_image(texture, place, level)
     if held.chosen.format in S3TC_BLOCK_BYTES:
@@ -388,18 +388,18 @@ def _tex_sub_image(gl, place, level, offset, size, image_format, image):
 
 
 def framebuffer_size(gl: Any) -> tuple[int, int]:
-    """Width and height of what is read by copies."""
+    """Width and height of the framebuffer that copies read."""
     return gl.drawable.width, gl.drawable.height
 
 
 def buffer_read(gl: Any) -> ColorBuffer:
-    """The colour buffer that is read. The front buffer is a surface of its own, which the replay chooses."""
+    """The colour buffer that copies read. The replay handles the front buffer, as a surface of its own."""
     return ColorBuffer.AUX0 if gl.values["read_buffer"] == tokens.AUX0 else ColorBuffer.BACK
 
 
 @entry("CopyTexImage1D")
 def copy_tex_image_1d(gl, target, level, internal_format, x, y, width, border):
-    """Define a line of texels from the framebuffer."""
+    """Define a row of texels from the framebuffer."""
     _copy_tex_image(gl, place_of(gl, target, 1), level, internal_format, (x, y, width, 1), border)
 
 
@@ -428,7 +428,7 @@ def _copy_tex_image(gl, place, level, internal_format, box, border):
     kept = _transferred(transfer, chosen, place, width, height)
     check_image(gl, place, level, (*kept, 1), border)
     _check_depths(place, chosen)
-    if border:  # commands copy no borders; their texels are outside the picture
+    if border:  # commands copy no borders, so only the texels inside are copied
         axes = 1 if place.target == tokens.TEXTURE_1D else 2
         box = x + 1, y + (axes == 2), width - 2, height - 2 * (axes == 2)
         kept = _transferred(transfer, chosen, place, *box[2:])
@@ -458,7 +458,7 @@ def _transferred(transfer, chosen, place, width, height):
 
 
 def _is_whole_texture(gl, texture, level, box):
-    """Whether a copy of level 0 alone makes all that a unit reads of the object."""
+    """Whether a copy of level 0 defines everything that a unit reads from the object."""
     x, y, width, height = box
     wide, high = framebuffer_size(gl)
     inside = x >= 0 and y >= 0 and x + width <= wide and y + height <= high
@@ -468,7 +468,7 @@ def _is_whole_texture(gl, texture, level, box):
 
 
 def _copy_whole(gl, texture, image, box, transfer):
-    """CopyTexImage as one command, with all smaller levels where they are made automatically."""
+    """Carry out CopyTexImage as one command, with all smaller levels if they are made automatically."""
     x, y, width, height = box
     generates = texture.parameters.generate_mipmap and texture.target != tokens.TEXTURE_RECTANGLE_NV
     images = {WHOLE: image}
@@ -498,7 +498,7 @@ def _copy_whole(gl, texture, image, box, transfer):
 
 @entry("CopyTexSubImage1D")
 def copy_tex_sub_image_1d(gl, target, level, x_offset, x, y, width):
-    """Replace texels of a line from the framebuffer."""
+    """Replace texels of a row from the framebuffer."""
     _copy_tex_sub_image(gl, place_of(gl, target, 1), level, (x_offset, 0, 0), (x, y, width, 1))
 
 
@@ -528,7 +528,7 @@ def _copy_tex_sub_image(gl, place, level, offset, box):
 
 
 def _copy_into(gl, texture, face, level, offset, box, transfer):
-    """Have the machine copy a rectangle into an image that exists."""
+    """Let the machine copy a rectangle into an image that exists."""
     texture.settle()
     layout = texture.layout()
     if layout is None or not layout.first <= level < layout.first + len(layout.levels):
@@ -568,9 +568,9 @@ def _copy_into(gl, texture, face, level, offset, box, transfer):
 
 
 def _inside(gl, offset, box, transfer):
-    """The part of a rectangle that lies in the framebuffer, and where it goes.
+    """(offset, box): the part of a rectangle inside the framebuffer, and its place in the image.
 
-    What lies outside is undefined, and stays as it is. A convolution would need it.
+    Pixels outside are undefined, so their texels do not change. Raises Refused if a convolution needs them.
     """
     x, y, width, height = box
     wide, high = framebuffer_size(gl)

@@ -1,7 +1,7 @@
-"""Colour tables and convolution filters that are copied from the framebuffer (OpenGL 1.2.1 section 3.6.3).
+"""Copies of colour tables and convolution filters from the framebuffer (OpenGL 1.2.1 section 3.6.3).
 
-Each is the call that takes an image from client memory, with groups of the framebuffer as they are now. Pixel
-transfer has no part in it, as in those calls.
+Each function calls the one for an image in client memory, with the present groups of the framebuffer. Pixel
+transfer does not apply, as in those calls.
 """
 
 from fixedpipe.pipeline.opengl import tokens
@@ -19,7 +19,7 @@ from fixedpipe.pipeline.opengl.read_back import colors_read
 
 
 def _groups(gl, x, y, width, height=1):
-    """A function that reads the groups of a rectangle; it is called when sizes and formats are checked."""
+    """A function that reads the groups of a rectangle. It is called after sizes and formats are checked."""
     return lambda: colors_read(gl, (x, y, width, height), framebuffer_size(gl), buffer_read(gl))
 
 
@@ -30,7 +30,7 @@ def _require_table(target):
 
 @entry("CopyColorTable")
 def copy_color_table(gl, target, internal_format, x, y, width):
-    """Define a colour table of a row of the framebuffer."""
+    """Define a colour table from a row of the framebuffer."""
     _require_table(target)
     color_table(gl, target, internal_format, width, tokens.RGBA, tokens.FLOAT, _groups(gl, x, y, width))
 
@@ -44,13 +44,13 @@ def copy_color_sub_table(gl, target, start, x, y, width):
 
 @entry("CopyConvolutionFilter1D")
 def copy_convolution_filter_1d(gl, target, internal_format, x, y, width):
-    """Define a filter of one row by a row of the framebuffer."""
+    """Define a filter of one row from a row of the framebuffer."""
     groups = _groups(gl, x, y, width)
     convolution_filter_1d(gl, target, internal_format, width, tokens.RGBA, tokens.FLOAT, groups)
 
 
 @entry("CopyConvolutionFilter2D")
 def copy_convolution_filter_2d(gl, target, internal_format, x, y, width, height):
-    """Define a filter of several rows by a rectangle of the framebuffer."""
+    """Define a filter of several rows from a rectangle of the framebuffer."""
     groups = _groups(gl, x, y, width, height)
     convolution_filter_2d(gl, target, internal_format, width, height, tokens.RGBA, tokens.FLOAT, groups)

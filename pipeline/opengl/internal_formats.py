@@ -1,15 +1,15 @@
-"""Which of the machine's formats holds a texture of an internal format: what a driver chose.
+"""A driver's choice: which of the machine's formats stores a texture of an internal format.
 
 OpenGL leaves the choice to the implementation (OpenGL 1.2.1 section 3.8.1). A sized format keeps its own bits
-where the machine has it (Source: table 3.16; each profile's ``internal_formats``). The other rules:
+if the machine has it (Source: table 3.16; each profile's ``internal_formats``). The other rules:
 
-- A base format, and the numbers 1 to 4, take eight bits a component. Assumed: a desktop of 32 bits; drivers
-  gave 16-bit textures on one of 16.
-- Formats of 10, 12 and 16 bits take twelve where the machine has them, else eight. Source: table 3.16 lets
-  a resolution be any nearby one.
+- A base format, and the numbers 1 to 4, have eight bits a component. Assumed: the desktop has 32 bits; on a
+  desktop of 16 bits, drivers made 16-bit textures.
+- Formats of 10, 12 and 16 bits have twelve if the machine has such formats, otherwise eight. Source: table
+  3.16 allows any nearby resolution.
 - A request to compress an image, generic or S3TC, stores it uncompressed. Source: ARB_texture_compression
-  lets the driver choose so for generic formats; Assumed for S3TC, whose compressor in drivers is unknown.
-- A machine's depth texture has 24 bits unless 16 are asked for. Source: ARB_depth_texture (nearest
+  lets the driver choose this for generic formats; Assumed for S3TC, whose compressor in drivers is unknown.
+- A depth texture has 24 bits, unless the program asks for 16. Source: ARB_depth_texture (nearest
   resolution).
 - Signed formats of NV_texture_shader with fewer components are stored as SIGNED_RGBA8 with the same register
   components. Inferred: the chip's format list has no other signed colours (nv_objects.h).
@@ -23,7 +23,7 @@ from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.textures.images import BASE_FORMAT, DEPTH_TEXELS, TWELVE_BIT_FORMATS
 
 _F = InternalFormat
-# Numbers of components, which OpenGL 1.0 takes in the place of an internal format (section 3.8.1).
+# Numbers of components, which OpenGL 1.0 accepts in place of an internal format (section 3.8.1).
 COMPONENT_COUNTS = (1, 2, 3, 4)
 
 # Base internal formats as tokens (table 3.15).
@@ -35,7 +35,7 @@ BASE_TOKENS = {
     tokens.RGB: BaseFormat.RGB,
     tokens.RGBA: BaseFormat.RGBA,
 }
-# A base format's widest formats: of twelve bits, of eight.
+# The widest formats of a base format: with twelve bits, with eight.
 _WIDEST = {
     BaseFormat.ALPHA: (_F.ALPHA12, _F.ALPHA8),
     BaseFormat.LUMINANCE: (_F.LUMINANCE12, _F.LUMINANCE8),
@@ -87,7 +87,7 @@ _COMPRESSING = {
 
 
 class S3TC(NamedTuple):
-    """An S3TC format: the machine's, and the base format that the texture has."""
+    """An S3TC format: the machine's format, and the base format of the texture."""
 
     format: InternalFormat
     base: BaseFormat
@@ -149,7 +149,7 @@ SIGNED_COLORS = {
     tokens.SIGNED_INTENSITY_NV: BaseFormat.INTENSITY,
     tokens.SIGNED_INTENSITY8_NV: BaseFormat.INTENSITY,
 }
-# What is asked for by names that are older than OpenGL 2 and that no machine here has.
+# Formats with names older than OpenGL 2 that no machine here has.
 _WITHOUT_MACHINE = frozenset(
     {
         tokens.DSDT_MAG_INTENSITY_NV,
@@ -174,11 +174,11 @@ _LATER = (
 
 
 class Chosen(NamedTuple):
-    """How a machine holds an internal format.
+    """How a machine stores an internal format.
 
-    - ``format``: the machine's.
+    - ``format``: the machine's format.
     - ``base``: the base format of the texture; None for depths, indices and bumps.
-    - ``compressing``: whether the request to compress is left out.
+    - ``compressing``: whether a request to compress is ignored.
     """
 
     format: InternalFormat
@@ -187,9 +187,9 @@ class Chosen(NamedTuple):
 
 
 def chosen_format(profile, internal_format: int) -> Chosen:
-    """How ``profile`` holds textures of an internal format (a token, or 1 to 4).
+    """How ``profile`` stores textures of an internal format (a token, or 1 to 4).
 
-    Raises GLError for what is no internal format, and Refused for one that the machine lacks.
+    Raises GLError for another token, and Refused for an internal format that the machine lacks.
     """
     base = _COMPRESSING.get(internal_format, _S3_S3TC.get(internal_format))
     if base is None and internal_format in S3TC_FORMATS:
@@ -227,7 +227,7 @@ def _of_extension(profile, internal_format):
 
 
 def compressed_format(profile, internal_format: int) -> S3TC:
-    """How ``profile`` holds compressed images of a format. Raises GLError or Refused."""
+    """How ``profile`` stores compressed images of a format. Raises GLError or Refused."""
     found = S3TC_FORMATS.get(internal_format)
     if found is None:
         if any(internal_format in later for later in _LATER):

@@ -1,7 +1,7 @@
-"""Lights, materials, normals and clip planes, and the vertex stage that they make (OpenGL 1.2.1 chapter 2).
+"""Lights, materials, normals and clip planes, and the VertexState made from them (OpenGL 1.2.1 chapter 2).
 
-What a machine refuses of a light is left to the machine. A draw whose lights, materials, matrices or clip
-planes have a number that is infinite or none is left out.
+If a machine cannot have a light, the machine refuses it, and not this module. A draw is left out if its
+lights, materials, matrices or clip planes have an infinity or a NaN.
 """
 
 from dataclasses import replace
@@ -21,16 +21,16 @@ from fixedpipe.pipeline.opengl.parameters import register_parameters
 from fixedpipe.pipeline.opengl.values import declare, section
 from fixedpipe.pipeline.state import ColorMaterial, Light, Lighting, Material, VertexState
 
-# Lights and clip planes that a context keeps, whatever the machine has.
+# How many lights and clip planes a context stores, for any machine.
 LIGHTS = CLIP_PLANES = 8
-# The spot exponent and the shininess are 0 to this (tables 2.7 and 2.8).
+# The largest spot exponent and shininess (tables 2.7 and 2.8).
 _LARGEST_EXPONENT = 128.0
 
 _LIGHTING, _TRANSFORM = tokens.LIGHTING_BIT, tokens.TRANSFORM_BIT
 _BLACK, _WHITE = (0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)
 
 COLOR_MATERIAL_PARAMETERS = words(ColorMaterialParameter)
-# The material's colours that follow the current colour.
+# The material's colours that follow the current colour, by the parameter of ColorMaterial.
 TRACKED = {
     tokens.AMBIENT_AND_DIFFUSE: ("ambient", "diffuse"),
     tokens.AMBIENT: ("ambient",),
@@ -148,7 +148,7 @@ def _lighting(gl, enabled, lights, front, back, tracking, tracked, ambient, loca
         raise LeftOut("a material has a number that is infinite or no number")
     face, parameter = tracked
     if tracking:
-        # What follows the vertices' colours is not read, so that it may not make states differ.
+        # Colours that follow the vertices' colours are not read. They must not make states differ.
         unread = {name: getattr(Material(), name) for name in TRACKED[parameter]}
         front, back = [
             replace(material, **unread) if key in _MATERIALS[face] else material
@@ -222,8 +222,8 @@ def _vertex(
 
 @section("color_sum", ("enabled", tokens.COLOR_SUM), ("enabled", tokens.LIGHTING))
 def _color_sum(gl, enabled, lighting):
-    # EXT_secondary_color: lighting's colour control decides in its place. A separate specular colour is added
-    # because the state's lighting says so, and a single colour leaves 0 to add.
+    # EXT_secondary_color: with lighting, the colour control decides instead. A separate specular colour is
+    # added because the state's lighting says so; with a single colour, the sum adds 0.
     return enabled and not lighting
 
 
@@ -231,9 +231,10 @@ def _color_sum(gl, enabled, lighting):
 
 
 def settle_materials(gl) -> None:
-    """Give the material's colours that follow the current colour its present value (section 2.13.3).
+    """Set the material's colours that follow the current colour to its present value (section 2.13.3).
 
-    While they follow it, their values are read from the vertices; this is for what asks for them, or ends it.
+    While they follow it, draws read them from the vertices. Call this before a query of them, or before they
+    stop following.
     """
     if not gl.values[("enabled", tokens.COLOR_MATERIAL)]:
         return
@@ -253,7 +254,7 @@ def _follows(gl, key, name):
 
 @entry("ColorMaterial")
 def color_material(gl, face, parameter):
-    """Which colours follow the current colour where COLOR_MATERIAL is enabled."""
+    """Set which colours follow the current colour if COLOR_MATERIAL is enabled."""
     member(_MATERIALS, face)
     member(TRACKED, parameter)
     settle_materials(gl)
@@ -268,14 +269,14 @@ def _material(gl, face, name, given):
             raise GLError(tokens.INVALID_VALUE, f"a shininess of {shininess}")
         changes: dict[str, Any] = {"shininess": shininess}
     elif name == tokens.COLOR_INDEXES:
-        given.vector_of(3)  # of color index mode alone
+        given.vector_of(3)  # only colour index mode uses them
         return
     else:
         changes = dict.fromkeys(member(TRACKED, name), given.color())
     if gl.begun:
         gl.begun_materials = gl.begun_materials or [(0, *_both(gl))]
     for key in keys:
-        # Section 2.13.3: a colour that follows the current one keeps following it.
+        # Section 2.13.3: a colour that follows the current one still follows it after this call.
         kept = {name: value for name, value in changes.items() if not _follows(gl, key, name)}
         gl.values.set(key, replace(gl.values[key], **kept))
     if gl.begun:
@@ -320,9 +321,9 @@ def _light(gl, light, name, given):
 
 
 def _in_eye_coordinates(gl, vector):
-    """A vector of three or four components times the modelview matrix's upper left part of that size."""
+    """The upper left part of the modelview matrix times a vector of three or four components."""
     rows = top(gl, "modelview")[: len(vector)]
-    return tuple([sum(map(mul, row, vector)) for row in rows])  # a row's rest is not reached
+    return tuple([sum(map(mul, row, vector)) for row in rows])  # ``map`` ends with the shorter one
 
 
 register_parameters("Light", _light)
@@ -360,6 +361,6 @@ def clip_plane_number(plane: int) -> int:
 
 @entry("ClipPlane", capture=lambda gl, plane, equation: (plane, tuple(map(float, equation))))
 def clip_plane(gl, plane, equation):
-    """A clip plane, which the inverse modelview matrix of now takes to eye coordinates (section 2.11)."""
+    """Set a clip plane. The present inverse modelview matrix takes it to eye coordinates (section 2.11)."""
     number = clip_plane_number(plane)
     gl.values.set(("clip_plane", number), times_inverse_modelview(gl, equation))

@@ -1,7 +1,7 @@
 """Display lists (OpenGL 1.2.1 section 5.4).
 
-A list holds calls with their arguments. Vertices between a Begin and its End become columns when the list is
-ended. What they do not set themselves they take from the current values when the list is called.
+A list holds calls with their arguments. Vertices between a Begin and its End become columns when the list
+ends. Attributes that the list does not set come from the current values when the list is called.
 """
 
 from collections.abc import Iterable
@@ -25,9 +25,9 @@ from fixedpipe.pipeline.opengl.meshes import make_mesh
 from fixedpipe.pipeline.opengl.outcomes import GLError, LeftOut, Refused
 from fixedpipe.pipeline.opengl.values import declare
 
-# OpenGL 1.2.1 section 5.4: lists may be nested this deeply at least.
+# Source: OpenGL 1.2.1 section 5.4: lists may be nested at least this deeply.
 MAX_LIST_NESTING = 64
-# Calls that one CallList may make: lists that call each other twice could make 2^64.
+# The most calls that one CallList may make. Lists that call each other twice could make 2^64 calls.
 MAX_LISTED_CALLS = 1 << 20
 
 declare("list_base", 0, tokens.LIST_BIT)
@@ -36,18 +36,18 @@ Calls = tuple[tuple[EntryPoint, tuple[Any, ...]], ...]
 
 
 class _TooManyCallsError(Exception):
-    """A list makes more calls than are carried out."""
+    """A list makes more calls than MAX_LISTED_CALLS."""
 
 
 # ------------------------------------------------------------------------------------------- names
 
 
 class ListNames:
-    """The names that GenLists has given, as ranges, so that a million cost nothing."""
+    """The names that GenLists has returned, as ranges, so that a million names take little memory."""
 
     def __init__(self):
         self._ranges: list[range] = []
-        self.last = 0  # the largest name that ever was in use
+        self.last = 0  # the largest name that has ever been in use
 
     def __contains__(self, name: int) -> bool:
         return any(name in names for names in self._ranges)
@@ -57,14 +57,14 @@ class ListNames:
         return any(names.start < first + count and first < names.stop for names in self._ranges)
 
     def reserve(self, first: int, count: int) -> None:
-        """Put names into use."""
+        """Mark names as in use."""
         if self._ranges and self._ranges[-1].stop == first:
             first, count = self._ranges[-1].start, count + len(self._ranges.pop())
         self._ranges.append(range(first, first + count))
         self.last = max(self.last, first + count - 1)
 
     def release(self, first: int, count: int) -> None:
-        """Take names out of use."""
+        """Mark names as unused."""
         end = first + count
         kept = []
         for names in self._ranges:
@@ -86,7 +86,7 @@ def _in_use(gl, first, count):
 
 @entry("GenLists", compiled=False)
 def gen_lists(gl, count):
-    """Give the first of ``count`` unused names in a row; the recorded program's, where they are unused."""
+    """The first of ``count`` consecutive unused names. The recorded name is used if these are unused."""
     if count < 0:
         raise GLError(tokens.INVALID_VALUE)
     if count == 0:
@@ -104,7 +104,7 @@ def gen_lists(gl, count):
 
 @entry("DeleteLists", compiled=False)
 def delete_lists(gl, first, count):
-    """Delete lists, and put their names out of use."""
+    """Delete lists, and mark their names as unused."""
     if count < 0:
         raise GLError(tokens.INVALID_VALUE)
     lists = gl.shared.lists
@@ -117,13 +117,13 @@ def delete_lists(gl, first, count):
 
 @entry("IsList", compiled=False)
 def is_list(gl, name):
-    """Whether a name is that of a list."""
+    """Whether a name belongs to a list, or was returned by GenLists."""
     return name in gl.shared.lists or name in gl.shared.list_names
 
 
 @entry("ListBase")
 def list_base(gl, base):
-    """What CallLists adds to its numbers."""
+    """Set the number that CallLists adds to its names."""
     gl.values.set("list_base", int(base))
 
 
@@ -144,7 +144,7 @@ def new_list(gl, name, mode):
 
 @entry("EndList", compiled=False)
 def end_list(gl):
-    """End a list; only now it takes the place of another of its name."""
+    """End a list. Only now does it replace an earlier list of the same name."""
     if gl.list is None:
         raise GLError(tokens.INVALID_OPERATION, "no list is begun")
     calls, gl.list = gl.list, None
@@ -152,13 +152,14 @@ def end_list(gl):
     gl.shared.list_names.last = max(gl.shared.list_names.last, gl.list_name)
 
 
-# What a vertex inherits from the current values: a place holder for each, found by identity.
+# Placeholders for the current values that a vertex inherits. They are recognized by identity.
 _INHERITED = Current()
 for _field in Current.__slots__:
     setattr(_INHERITED, _field, object())
 _INHERITED.texture_coordinates = tuple([object() for _ in range(COORDINATE_SETS)])
 
-# The place of each column in a vertex as ``Begin`` and ``End`` gather it (current.py), and its current value.
+# The place of each column in the vertices that ``Begin`` and ``End`` collect (current.py), and the name of
+# its current value.
 _PLACES = {
     "positions": (0, ""),
     "colors": (1, "color"),
@@ -169,7 +170,7 @@ _PLACES = {
     "weights": (7, "weight"),
 }
 _SETS = 3
-# Calls that set current values and give vertices, and do nothing else.
+# Calls that only set current values or add vertices.
 _OF_VERTICES = ("Vertex", "Color", "Normal", "TexCoord", "MultiTexCoord", "SecondaryColor", "FogCoord")
 _OF_VERTICES += ("EdgeFlag", "ArrayElement")
 
@@ -179,12 +180,12 @@ def _gives_vertices(point):
 
 
 class _Column:
-    """One attribute of a run's vertices, some of which inherit it."""
+    """One attribute of a run's vertices. Some of the vertices may inherit it."""
 
     def __init__(self, values, inherited):
         self.count = len(values)
         self._which = None  # bool [n]: which vertices inherit; None: no vertex does
-        if len(set(map(id, values))) == 1:  # most attributes of most runs
+        if len(set(map(id, values))) == 1:  # true for most attributes of most runs
             values = values[:1]
         inherits = [value is inherited for value in values]
         self.inherits = any(inherits)
@@ -194,7 +195,7 @@ class _Column:
         self._given = np.array(given) if given else None
 
     def filled(self, current: Any) -> np.ndarray:
-        """The column where ``current`` is the current value; read it only."""
+        """The column if ``current`` is the current value. Do not write into it."""
         if self._which is None:
             return np.broadcast_to(self._given, (self.count, *self._given.shape[1:]))
         column = np.empty((self.count, *np.shape(current)), np.asarray(current).dtype)
@@ -221,19 +222,19 @@ class Run:
             self._columns[unit] = _Column(given, inherited)
 
     def draw(self, gl) -> None:
-        """Draw the vertices as Begin and End would now, and leave the current values that they leave."""
+        """Draw the vertices as Begin and End would now, and set the current values that the run sets."""
         if drawn_count(self.mode, self.count):
             draw_mesh(gl, self._mesh(gl))
         self._leave(gl.current)
 
     def add(self, gl) -> None:
-        """Add the vertices to those of a Begin outside the list."""
+        """Add the vertices to those of a Begin that was called outside the list."""
         if self.count:
             gl.begun += self._vertices(gl.current)
         self._leave(gl.current)
 
     def _vertices(self, now):
-        """The vertices as ``Begin`` and ``End`` gather them, with the current values ``now``."""
+        """The vertices in the form that ``Begin`` and ``End`` collect, with the current values ``now``."""
         names = sorted(_PLACES, key=lambda name: _PLACES[name][0])
         columns = [self._columns[name].filled(self._current(now, name)).tolist() for name in names]
         sets = [
@@ -280,7 +281,7 @@ class Run:
 
 
 class _Recorder:
-    """What calls that give vertices need of a Context."""
+    """The part of a Context that calls for vertices need."""
 
     __slots__ = ("begun", "current")
 
@@ -291,7 +292,7 @@ class _Recorder:
 
 
 def _run_of(calls: Calls) -> Run | None:
-    """The Run of the calls from a Begin to its End, or None where they do more than give vertices."""
+    """The Run of the calls from a Begin to its End; None if they do more than add vertices."""
     recorder = _Recorder()
     mode = calls[0][1][0] if len(calls[0][1]) == 1 else None
     if mode not in PRIMITIVES:
@@ -300,7 +301,7 @@ def _run_of(calls: Calls) -> Run | None:
         try:
             point.handler(recorder, *arguments)
         except (GLError, TypeError, ValueError, IndexError, KeyError, OverflowError, AttributeError):
-            return None  # a call that gives an error is answered when the list is called
+            return None  # a call with an error is carried out, and counted, when the list is called
     return Run(mode, recorder.begun, recorder.current)
 
 
@@ -319,9 +320,9 @@ _RUN = EntryPoint("glBegin", _draw_run, compiled=True, inside=True, capture=None
 
 
 def _with_runs(calls: list[Any]) -> Calls:
-    """The calls, with each Begin, its vertices and its End as one."""
+    """The calls, in which each Begin with its vertices and its End is one call."""
     result: list[Any] = []
-    begun = None  # the place of a Begin in ``result`` after which only vertices came
+    begun = None  # the place in ``result`` of a Begin that only vertices follow so far
     for call in calls:
         point = call[0]
         result.append(call)
@@ -342,7 +343,7 @@ def _with_runs(calls: list[Any]) -> Calls:
 
 @entry("CallList", inside=True)
 def call_list(gl, name):
-    """Make the calls of a list. A name without a list does nothing."""
+    """Make the calls of a list. If a name has no list, nothing happens."""
     if name == 0:
         raise GLError(tokens.INVALID_VALUE, "a list's name is 0")
     _call(gl, (name,))
@@ -361,7 +362,7 @@ _BYTES = {tokens._2_BYTES: 2, tokens._3_BYTES: 3, tokens._4_BYTES: 4}
 
 
 def _capture_names(gl, count, type_, lists):
-    """The numbers that CallLists is given."""
+    """The numbers in the array of CallLists."""
     if count < 0:
         raise GLError(tokens.INVALID_VALUE)
     if type_ not in _OFFSETS and type_ not in _BYTES:
@@ -383,13 +384,13 @@ def _capture_names(gl, count, type_, lists):
 
 @entry("CallLists", inside=True, capture=_capture_names)
 def call_lists(gl, numbers):
-    """Make the calls of several lists, whose names are the list base and these numbers together."""
+    """Make the calls of several lists. Their names are these numbers plus the list base."""
     base = gl.values["list_base"]
     _call(gl, [(base + number) & 0xFFFFFFFF for number in numbers])
 
 
 def _call(gl, names: Iterable[int]) -> None:
-    """Make the calls of lists. Raises Refused where they would be too many."""
+    """Make the calls of lists. Raises Refused if there are too many calls."""
     if gl.nesting >= MAX_LIST_NESTING:
         return
     outermost, called = gl.nesting == 0, gl.called
@@ -414,7 +415,7 @@ def _call(gl, names: Iterable[int]) -> None:
 
 
 def _carry_out(gl, calls: Calls) -> None:
-    """Carry out calls. An error in one is counted, and the next ones go on."""
+    """Carry out calls. An error in one is counted, and the next ones are carried out."""
     for point, arguments in calls:
         gl.called = point.name
         try:

@@ -1,13 +1,13 @@
 """Primitives whose material changes between their vertices (Material between Begin and End).
 
-- Points, lines, triangles and quads of one material are drawn with it, a run at a time.
-- Where one colour of the material differs from vertex to vertex, it becomes the vertices' colour, and the
+- Points, lines, triangles and quads with one material are drawn with it, run by run.
+- If one colour of the material differs from vertex to vertex, it becomes the vertices' colour, and the
   primitive is drawn with COLOR_MATERIAL.
-- All others are lit vertex by vertex by the machine's own lighting, and drawn with these colours. The tally
-  says so under "lit here". Their colours are cut to bytes as given ones are.
+- For all others, the machine's own lighting computes the colour of each vertex, and the primitive is drawn
+  with these colours. The tally counts them under "lit here". Like given colours, they are cut to bytes.
 
 Source: OpenGL 1.2.1 section 2.13.1, and 2.6.3, which allows Material there. Inferred: nouveau writes the
-material's registers between vertices, so the chip lights each vertex with its own.
+material's registers between vertices, so the chip lights each vertex with its own material.
 """
 
 from contextlib import contextmanager
@@ -22,10 +22,10 @@ from fixedpipe.pipeline.opengl.current import draw_vertices
 from fixedpipe.pipeline.opengl.lighting import TRACKED
 from fixedpipe.pipeline.state import Material
 
-# Vertices of a primitive, where each is independent of the others.
+# How many vertices a primitive has, for modes whose primitives are independent of each other.
 _SIZES = {tokens.POINTS: 1, tokens.LINES: 2, tokens.TRIANGLES: 3, tokens.QUADS: 4}
 _LINES_AND_POINTS = {tokens.POINTS, tokens.LINES, tokens.LINE_STRIP, tokens.LINE_LOOP}
-# Places in a vertex as ``Begin`` and ``End`` gather it (current.py).
+# Places in the vertices that ``Begin`` and ``End`` collect (current.py).
 _POSITION, _COLOR, _NORMAL, _SECONDARY, _WEIGHT = 0, 1, 2, 4, 7
 
 _Both = tuple[Material, Material]
@@ -34,9 +34,9 @@ _Both = tuple[Material, Material]
 def draw_with_changes(
     gl, mode: int, vertices: list[Any], changes: list[tuple[int, Material, Material]]
 ) -> None:
-    """Draw vertices as ``Begin`` and ``End`` gather them.
+    """Draw vertices in the form that ``Begin`` and ``End`` collect.
 
-    ``changes``: from which vertex on a front and a back material hold, the first from vertex 0.
+    ``changes``: (first vertex, front material, back material) of each change; the first is at vertex 0.
     """
     if gl.values.section("lighting") is None or not vertices:
         draw_vertices(gl, mode, vertices)
@@ -49,7 +49,7 @@ def draw_with_changes(
     whole = len(vertices) - len(vertices) % size
     starts = range(0, whole, size)
     alike = [len(set(materials[i : i + size])) == 1 for i in starts]
-    # Primitives of one material in a row are drawn together; one of several is drawn alone.
+    # Consecutive primitives with one material are drawn together. A primitive with several is drawn alone.
     keys = [materials[i] if one else i for i, one in zip(starts, alike, strict=True)]
     for _, run in groupby(zip(keys, starts, strict=True), key=lambda pair: pair[0]):
         of_run = [start for _, start in run]
@@ -67,9 +67,9 @@ def _of_each(changes, count):
 
 
 def _draw_run(gl, mode, vertices, materials: list[_Both]):
-    """Draw vertices in the best of the three ways."""
+    """Draw vertices in the first possible one of the three ways."""
     two_side = gl.values["two_side"] and mode not in _LINES_AND_POINTS
-    if not two_side:  # back materials are not read, so that they may not make vertices differ
+    if not two_side:  # back materials are not read, so they must not make vertices differ
         materials = [(front, materials[0][1]) for front, _ in materials]
     if len(set(materials)) == 1:
         front, back = materials[0]
@@ -82,7 +82,7 @@ def _draw_run(gl, mode, vertices, materials: list[_Both]):
 
 @contextmanager
 def _changed(gl, values):
-    """Other values for a while."""
+    """Set other values while the block runs."""
     before = {key: gl.values[key] for key in values}
     try:
         for key, value in values.items():
@@ -97,7 +97,7 @@ def _changed(gl, values):
 
 
 def _draw_tracking(gl, mode, vertices, materials, two_side):
-    """Draw with COLOR_MATERIAL, if that can be; return whether it could."""
+    """Draw with COLOR_MATERIAL if possible. Returns whether it was possible."""
     if gl.values[("enabled", tokens.COLOR_MATERIAL)]:
         return False
     found = _tracked(materials, two_side)
@@ -118,7 +118,7 @@ def _draw_tracking(gl, mode, vertices, materials, two_side):
 
 
 def _tracked(materials, two_side):
-    """Face, parameter and the vertices' colours with which COLOR_MATERIAL gives these materials, or None."""
+    """(face, parameter, vertices' colours) with which COLOR_MATERIAL makes these materials, or None."""
     faces = [list(side) for side in zip(*materials, strict=True)] if two_side else [[f for f, _ in materials]]
     varying = [len(set(side)) > 1 for side in faces]
     face = (
@@ -139,7 +139,7 @@ def _tracked(materials, two_side):
 
 
 def _draw_lit(gl, mode, vertices, materials, two_side):
-    """Draw with colours that are computed here."""
+    """Draw with colours that this module computes."""
     gl.tally.add("lit here", f"{gl.called}: vertices of one primitive with several materials")
     vertex = gl.values.section("vertex")
     lit = _lit(gl.profile, vertex, vertices, materials, two_side)
@@ -155,7 +155,7 @@ def _draw_lit(gl, mode, vertices, materials, two_side):
 
 
 def _lit(profile, vertex, vertices, materials, two_side):
-    """The vertices with the machine's colours for the front and, if ``two_side``, those with the back's."""
+    """The vertices with the machine's front colours and, if ``two_side``, those with its back colours."""
     from fixedpipe.pipeline.vertices.arithmetic import columns_of
     from fixedpipe.pipeline.vertices.colors import eye_normal, vertex_colors
     from fixedpipe.pipeline.vertices.weighting import eye_coordinates, weight_of
@@ -180,9 +180,9 @@ def _lit(profile, vertex, vertices, materials, two_side):
 
 
 def _draw_sides(gl, mode, front, back):
-    """Draw each polygon with its front colours where it faces the front, and with its back ones elsewhere.
+    """Draw each polygon with its front colours if it faces the front, and otherwise with its back colours.
 
-    Culling decides, so that the machine's own window coordinates do. The polygons keep their order.
+    Culling decides this, so the machine's own window coordinates decide it. The order does not change.
     """
     culls = gl.values[("enabled", tokens.CULL_FACE)]
     culled = gl.values["cull_face_mode"] if culls else None
@@ -194,7 +194,7 @@ def _draw_sides(gl, mode, front, back):
 
 
 def _polygons(mode, count, provoking):
-    """(primitive, its vertices' places) of each polygon, whose provoking vertex is the one of the whole."""
+    """(primitive, its vertices' numbers) for each polygon. Its provoking vertex is that of the original."""
     last = provoking is ProvokingVertex.LAST
     if mode in _SIZES:
         size = _SIZES[mode]
@@ -207,5 +207,5 @@ def _polygons(mode, count, provoking):
     if mode == tokens.TRIANGLE_STRIP:
         odd = (lambda i: (i + 1, i, i + 2)) if last else (lambda i: (i, i + 2, i + 1))
         return [(tokens.TRIANGLES, odd(i) if i % 2 else (i, i + 1, i + 2)) for i in range(count - 2)]
-    # The last vertex of a quad provokes by either convention, as on the chip. The diagonals are the same.
+    # The last vertex of a quad is the provoking one by either convention, as on the chip. The diagonals stay.
     return [(tokens.QUADS, (i + 2, i, i + 1, i + 3)) for i in range(0, count - 3, 2)]

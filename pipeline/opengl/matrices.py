@@ -1,7 +1,7 @@
 """Matrix stacks (OpenGL 1.2.1 section 2.10.2).
 
 Assumed: products are computed in float64. Drivers used float32 or the processor's 80 bits; a state dump of a
-driver would tell.
+driver would settle it.
 """
 
 import math
@@ -16,13 +16,13 @@ from fixedpipe.pipeline.opengl.outcomes import GLError, LeftOut
 from fixedpipe.pipeline.opengl.values import declare, section
 from fixedpipe.pipeline.state import IDENTITY, Matrix, Viewport
 
-# How many matrices each stack holds.  Assumed: the specification's least for MODELVIEW, for all of them.
+# How many matrices each stack holds. Assumed: all hold the specification's minimum for MODELVIEW.
 _DEPTH = 32
 
 declare("matrix_mode", tokens.MODELVIEW, tokens.TRANSFORM_BIT)
 declare("active_texture", 0, tokens.TEXTURE_BIT)
 for _stack in ("modelview", "modelview1", "projection", "color matrix"):
-    declare(_stack, (IDENTITY,))  # a stack: its top is last
+    declare(_stack, (IDENTITY,))  # the top of a stack is the last element
 for _unit in range(COORDINATE_SETS):
     declare(("texture matrix", _unit), (IDENTITY,))
 declare("viewport", lambda gl: (0, 0, gl.drawable.width, gl.drawable.height), tokens.VIEWPORT_BIT)
@@ -51,19 +51,19 @@ def top(gl, key):
     return gl.values[key][-1]
 
 
-# Mathematical libraries differ in a result's last bits.
+# Mathematical libraries differ in the last bits of results.
 _STEP = 2.0**-32
 
 
 def rounded(value: float) -> float:
-    """A transcendental function's value as a multiple of 2^-32, which is the same on every machine."""
+    """The value of a transcendental function, rounded to 2^-32, so that all computers give the same value."""
     return math.floor(value / _STEP + 0.5) * _STEP
 
 
 def multiplied(a, b):
-    """The product of two matrices, each element summed from the first term to the last.
+    """The product of two matrices. Each element is summed from the first term to the last.
 
-    NumPy's products fuse and reorder, so that their bits differ from processor to processor.
+    NumPy's products fuse and reorder operations, so their bits differ between processors.
     """
     columns = tuple(zip(*b, strict=True))
     return tuple(
@@ -72,13 +72,13 @@ def multiplied(a, b):
 
 
 def inverse_modelview(gl) -> Matrix:
-    """The inverse of the modelview matrix. Raises LeftOut where float64 holds none."""
+    """The inverse of the modelview matrix. Raises LeftOut if there is none in float64."""
     return _inverse(top(gl, "modelview"))
 
 
 @lru_cache(maxsize=64)
 def _inverse(matrix: Matrix) -> Matrix:
-    """By Gauss's and Jordan's elimination with the largest pivot of each column."""
+    """The inverse of a matrix, by Gauss-Jordan elimination with the largest pivot of each column."""
     rows = [[*map(float, row), *IDENTITY[i]] for i, row in enumerate(matrix)]
     for k in range(4):
         pivot = max(range(k, 4), key=lambda i: abs(rows[i][k]))
@@ -98,7 +98,7 @@ def _inverse(matrix: Matrix) -> Matrix:
 
 
 def times_inverse_modelview(gl, plane):
-    """A plane's four coefficients times the inverse modelview matrix: in eye coordinates."""
+    """A plane in eye coordinates: its four coefficients times the inverse modelview matrix."""
     columns = zip(*inverse_modelview(gl), strict=True)
     return tuple([((plane[0] * c[0] + plane[1] * c[1]) + plane[2] * c[2]) + plane[3] * c[3] for c in columns])
 
@@ -130,31 +130,31 @@ def matrix_mode(gl, mode):
 
 @entry("LoadIdentity")
 def load_identity(gl):
-    """Replace the top by the identity."""
+    """Replace the top of the stack by the identity."""
     _load(gl, IDENTITY)
 
 
 @entry("LoadMatrixf", "LoadMatrixd")
 def load_matrix(gl, values):
-    """Replace the top by 16 numbers, columns first."""
+    """Replace the top of the stack by 16 numbers, column by column."""
     _load(gl, _columns(values))
 
 
 @entry("MultMatrixf", "MultMatrixd")
 def mult_matrix(gl, values):
-    """Multiply the top by 16 numbers, columns first."""
+    """Multiply the top of the stack by 16 numbers, column by column."""
     _multiply(gl, _columns(values))
 
 
 @entry("LoadTransposeMatrixf", "LoadTransposeMatrixd")
 def load_transpose_matrix(gl, values):
-    """Replace the top by 16 numbers, rows first (ARB_transpose_matrix)."""
+    """Replace the top of the stack by 16 numbers, row by row (ARB_transpose_matrix)."""
     _load(gl, _rows(np.array(values, float).reshape(4, 4)))
 
 
 @entry("MultTransposeMatrixf", "MultTransposeMatrixd")
 def mult_transpose_matrix(gl, values):
-    """Multiply the top by 16 numbers, rows first (ARB_transpose_matrix)."""
+    """Multiply the top of the stack by 16 numbers, row by row (ARB_transpose_matrix)."""
     _multiply(gl, _rows(np.array(values, float).reshape(4, 4)))
 
 
@@ -192,7 +192,7 @@ def scale(gl, x, y, z):
 
 @entry("Rotatef", "Rotated")
 def rotate(gl, angle, x, y, z):
-    """Multiply by a rotation of ``angle`` degrees. With an axis of length 0 the matrix stays."""
+    """Multiply by a rotation of ``angle`` degrees. An axis of length 0 does not change the matrix."""
     length = math.sqrt(x * x + y * y + z * z)
     if not length or not math.isfinite(length) or not math.isfinite(angle):
         return
@@ -244,7 +244,7 @@ def ortho(gl, left, right, bottom, top, near, far):
 
 @entry("Viewport")
 def viewport(gl, x, y, width, height):
-    """The viewport (section 2.10.1)."""
+    """Set the viewport (section 2.10.1)."""
     if width < 0 or height < 0:
         raise GLError(tokens.INVALID_VALUE)
     gl.values.set("viewport", (int(x), int(y), int(width), int(height)))
@@ -252,5 +252,5 @@ def viewport(gl, x, y, width, height):
 
 @entry("DepthRange", "DepthRangef")
 def depth_range(gl, near, far):
-    """The depths of the near and far plane, clamped to [0, 1]."""
+    """Set the depths of the near and far plane, clamped to [0, 1]."""
     gl.values.set("depth_range", (min(max(float(near), 0.0), 1.0), min(max(float(far), 0.0), 1.0)))

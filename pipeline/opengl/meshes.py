@@ -1,7 +1,7 @@
-"""Meshes by content: equal vertices as those of a late draw are the same Mesh.
+"""Meshes by content: if vertices are equal to those of a recent draw, they are the same Mesh.
 
-What a machine and validation know of a Mesh they find again by its identity. Most draws of a program have the
-vertices of a draw of the frame before.
+A machine and validation store data about a Mesh by its identity. Most draws of a program have the same
+vertices as a draw of the frame before.
 """
 
 from collections.abc import Callable, Hashable
@@ -13,9 +13,9 @@ from fixedpipe.pipeline.commands import Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.opengl.outcomes import LeftOut
 
-# The least bytes of meshes and their keys that are kept; at most twice as many are.
+# Meshes and their keys of about this many bytes are stored, and at most twice as many.
 _KEPT_BYTES = 96 << 20
-_ENTRY_BYTES = 1000  # of Python's objects in an entry
+_ENTRY_BYTES = 1000  # the bytes of Python's objects in an entry
 
 _WORDS = {
     "positions": "position",
@@ -29,9 +29,9 @@ _WORDS = {
 
 
 class Meshes:
-    """The meshes of late draws, by keys that hold or stand for all that they were made from.
+    """The meshes of recent draws, by keys that contain, or identify, all data that they were made from.
 
-    When the younger half has its bytes, it becomes the older half, and the older one is forgotten.
+    When the newer half is full, it becomes the older half, and the previous older half is dropped.
     """
 
     def __init__(self, kept_bytes: int = _KEPT_BYTES):
@@ -41,7 +41,7 @@ class Meshes:
         self._bytes = 0
 
     def find(self, key: Hashable, make: Callable[[], Mesh], key_bytes: int = 0) -> Mesh:
-        """The Mesh of a key; ``make`` makes it where it is not known. ``key_bytes``: the key's size."""
+        """The Mesh of a key. If it is not stored, ``make`` makes it. ``key_bytes``: the key's size."""
         found = self._young.get(key)
         if found is not None:
             return found[0]
@@ -62,7 +62,7 @@ def _size(mesh):
 
 
 def content_key(primitive, columns: dict[str, Any], indices, counts) -> tuple[Hashable, int]:
-    """A key of arrays by their bytes, and its size."""
+    """(a key made from the bytes of arrays, its size in bytes)."""
     parts: list[Hashable] = [primitive, counts]
     size = 0
     several = [("indices", indices)] if indices is not None else []
@@ -76,7 +76,7 @@ def content_key(primitive, columns: dict[str, Any], indices, counts) -> tuple[Ha
 
 
 def make_mesh(primitive: PrimitiveType, columns: dict[str, Any], indices: Any = None, counts=None) -> Mesh:
-    """The Mesh of these columns. Raises LeftOut where one of its numbers is infinite or NaN."""
+    """The Mesh of these columns. Raises LeftOut if one of its numbers is infinite or NaN."""
     mesh = Mesh(primitive=primitive, indices=indices, counts=counts, **columns)
     for name, word in _WORDS.items():
         column = getattr(mesh, name)

@@ -1,7 +1,7 @@
 """Occlusion queries: ARB_occlusion_query, NV_occlusion_query and HP_occlusion_test.
 
-Their state is kept, and errors are OpenGL's. How many samples passed only a machine knows: a Context with one
-behind it asks it (``read_back``). A recorded program has acted on its own driver's answer.
+This module has their state and OpenGL's errors. Only a machine knows how many samples passed. A Context with
+a machine behind it reads the number from it (``read_back``). A recorded program acted on its driver's answer.
 """
 
 from typing import Any
@@ -12,23 +12,23 @@ from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.values import declare
 
-# Source: the Khronos registry: HP_occlusion_test, the capability and what Get gives; ARB_occlusion_query.
+# Source: the Khronos registry: HP_occlusion_test (the capability, the token for Get); ARB_occlusion_query.
 _OCCLUSION_TEST_HP, OCCLUSION_TEST_RESULT_HP = 0x8165, 0x8166
 _SAMPLES_PASSED = 0x8914
 
 
 def _begin_or_end(gl, begun):
-    """Begin to count, or end it: the count, or None."""
+    """Begin to count samples, or end it. Returns the count, or None."""
     return None if gl.behind is None else gl.behind.count_samples(begun)
 
 
 def _test(gl, enabled):
-    """HP's test begins or ends."""
+    """Begin or end HP's test."""
     _begin_or_end(gl, enabled)
 
 
 def test_result(gl: Any) -> bool:
-    """Whether a sample passed since HP's test was enabled, or since this was asked. Raises Refused."""
+    """Whether a sample passed since HP's test was enabled, or since the last such query. Raises Refused."""
     samples = _begin_or_end(gl, False)
     if samples is None:
         raise Refused("samples are not counted here")
@@ -38,13 +38,13 @@ def test_result(gl: Any) -> bool:
 
 
 capability(_OCCLUSION_TEST_HP, notify=_test)
-declare("queries", frozenset())  # those that were begun once, by name
+declare("queries", frozenset())  # the names of queries that were begun at least once
 declare("current query", 0)
 
 
 @entry("GenQueries", "GenOcclusionQueries", compiled=False)
 def gen_queries(gl, count, names=None):
-    """Names of queries; in a trace those that the driver gave. They need not be entered."""
+    """Check the number of names. In a trace the driver has chosen the names; they are not stored."""
     if count < 0:
         raise GLError(tokens.INVALID_VALUE, f"{count} queries")
 
@@ -61,7 +61,7 @@ def delete_queries(gl, count, names):
 
 @entry("IsQuery", "IsOcclusionQuery", compiled=False)
 def is_query(gl, name):
-    """Whether a query was begun once."""
+    """Whether a query was begun at least once."""
     return name in gl.values["queries"]
 
 
@@ -99,26 +99,26 @@ def begin_query(gl, target, name):
 
 @entry("EndQuery")
 def end_query(gl, target):
-    """End it."""
+    """End the query."""
     _samples(target)
     _end(gl)
 
 
 @entry("BeginOcclusionQuery")
 def begin_occlusion_query(gl, name):
-    """NVIDIA's, which count samples alone."""
+    """Begin a query of NVIDIA's extension, which only counts samples."""
     _begin(gl, name)
 
 
 @entry("EndOcclusionQuery")
 def end_occlusion_query(gl):
-    """End it."""
+    """End the query."""
     _end(gl)
 
 
 @entry("GetQueryiv", compiled=False)
 def get_query(gl, target, name, *_recorded):
-    """The query that is begun; 0: none is. How many bits a counter has is the recorded driver's."""
+    """The name of the active query, or 0. The number of bits of a counter depends on the recorded driver."""
     _samples(target)
     if name == tokens.QUERY_COUNTER_BITS:
         raise Refused("samples are not counted here")
@@ -129,7 +129,9 @@ def get_query(gl, target, name, *_recorded):
 
 @entry("GetQueryObjectiv", "GetQueryObjectuiv", "GetOcclusionQueryiv", "GetOcclusionQueryuiv", compiled=False)
 def get_query_object(gl, name, parameter, *_recorded):
-    """How many samples passed, or whether that is known: it is. Raises Refused where nothing is counted."""
+    """How many samples passed, or whether the number is available (always True). Raises Refused if samples
+    are not counted.
+    """
     if name not in gl.values["queries"] or name == gl.values["current query"]:
         raise GLError(tokens.INVALID_OPERATION, f"{name} is no query that has ended")
     if parameter == tokens.QUERY_RESULT_AVAILABLE:

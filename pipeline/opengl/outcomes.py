@@ -1,11 +1,11 @@
-"""What becomes of a call: drawn, without effect, an error, refused; and how often each came."""
+"""The outcome of a call (drawn, without effect, an error, refused), and how often each one occurred."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
 
 
 class GLError(Exception):
-    """An error as OpenGL has them: the call is ignored, and GetError tells ``kind`` (a token)."""
+    """An error of OpenGL. The call is ignored, and GetError returns ``kind`` (a token)."""
 
     def __init__(self, kind: int, sentence: str = ""):
         super().__init__(sentence)
@@ -13,15 +13,15 @@ class GLError(Exception):
 
 
 class Refused(Exception):  # noqa: N818
-    """A call that cannot be carried out here; the message says why. What follows goes on."""
+    """A call that cannot be carried out here. The message says why. Later calls are carried out."""
 
 
 class LeftOut(Exception):  # noqa: N818
-    """A draw that OpenGL leaves undefined (NaN, a singular matrix that is inverted); it is not drawn."""
+    """A draw that is undefined in OpenGL (NaN, the inverse of a singular matrix). It is not drawn."""
 
 
 class Outcome(NamedTuple):
-    """What happened, in words; the number of the first call that it happened to, and how often."""
+    """What happened, in words; the number of the first call with this outcome; and how often it occurred."""
 
     what: str
     first_call: int
@@ -31,8 +31,8 @@ class Outcome(NamedTuple):
 class Tally:
     """Counts outcomes by kind: "drawn", "no effect", "error", "refused", "left out", "lit here", "unknown".
 
-    ``call`` is the number of the call that is being answered. At most ``limit`` sentences of a kind are kept
-    apart; the rest are counted together, so that a program cannot fill the memory with them.
+    ``call`` is the number of the present call. At most ``limit`` sentences of a kind are counted separately.
+    The others are counted together, so that a program cannot fill the memory with them.
     """
 
     def __init__(self, limit: int = 1000):

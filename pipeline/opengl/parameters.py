@@ -1,4 +1,4 @@
-"""Calls that set one parameter by its name, as Lightfv(light, pname, params): four entry points each.
+"""Calls that set one parameter by its name, such as Lightfv(light, pname, params), with four forms each.
 
 Source: OpenGL 1.2.1 section 2.7 (table 2.6: how an integer becomes a colour's component), 2.13.1.
 """
@@ -16,11 +16,11 @@ Vector4 = tuple[float, float, float, float]
 
 
 class Parameter(NamedTuple):
-    """What a call gives for a parameter.
+    """The value of a parameter in a call.
 
-    - ``numbers``: as they were given.
-    - ``whole``: whether by a call for integers.
-    - ``vector``: whether by a call that takes an array.
+    - ``numbers``: the numbers as they were given.
+    - ``whole``: whether the call takes integers.
+    - ``vector``: whether the call takes an array.
     """
 
     numbers: tuple[float, ...]
@@ -32,7 +32,7 @@ class Parameter(NamedTuple):
         return float(self.numbers[0])
 
     def token(self) -> int:
-        """The first number as a token. A call for floats gives one too (section 2.7)."""
+        """The first number as a token. A call for floats may also pass a token (section 2.7)."""
         return int(self.numbers[0])
 
     def vector_of(self, count: int) -> tuple[float, ...]:
@@ -44,7 +44,7 @@ class Parameter(NamedTuple):
         return tuple(map(float, self.numbers[:count]))
 
     def color(self) -> Vector4:
-        """Four components. Those of a call for integers are fractions of the largest (table 2.6)."""
+        """Four components. In a call for integers they are fractions of the largest integer (table 2.6)."""
         red, green, blue, alpha = self.vector_of(4)
         if self.whole:
             red, green, blue, alpha = [(2.0 * c + 1.0) / 4294967295.0 for c in (red, green, blue, alpha)]
@@ -52,15 +52,15 @@ class Parameter(NamedTuple):
 
 
 def numbers_of(given: Any) -> tuple[float, ...]:
-    """The numbers of an argument: a list, an array or a single one."""
+    """The numbers of an argument, which is a list, an array or one number."""
     return tuple(np.asarray(given).reshape(-1).tolist())
 
 
 def register_parameters(stem: str, set_parameter: Callable[..., None], **of_entry_point: bool) -> None:
-    """Enter stem + f, i, fv and iv: ``set_parameter(gl, *names, parameter)``.
+    """Register stem + f, i, fv and iv. They call ``set_parameter(gl, *names, parameter)``.
 
-    ``of_entry_point`` are ``register``'s. The numbers are read when the call is made, so that a display list
-    does not see what later stands in the array.
+    ``of_entry_point``: arguments of ``register``. The numbers are read when the call is made, so a display
+    list does not use later contents of the array.
     """
     for kind in ("f", "i", "fv", "iv"):
 

@@ -1,11 +1,11 @@
-"""The PassState of a draw, from its sections. Each stands in the module of its subject."""
+"""Makes the PassState of a draw from its sections. The modules of the various subjects define these."""
 
 from fixedpipe.pipeline.opengl import driver
 from fixedpipe.pipeline.opengl.values import section
 from fixedpipe.pipeline.opengl.vertex_program_draws import ENABLED, programmed_state
 from fixedpipe.pipeline.state import PassState
 
-# Fields of PassState, and the section that makes each.
+# The fields of PassState, and the section that makes each field.
 _FIELDS = {
     "vertex": "vertex",
     "polygon": "polygon",

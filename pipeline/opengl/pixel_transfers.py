@@ -1,7 +1,7 @@
 """Pixel transfer as state (OpenGL 1.2.1 sections 3.6.3 and 3.6.5): numbers, maps, tables, filters, counters.
 
-The section "pixel_transfer" is the PixelTransfer of commands that move pixels. It leaves out what the machine
-lacks.
+The section "pixel_transfer" is the PixelTransfer of commands that move pixels. It omits steps that the
+machine does not have.
 """
 
 from collections.abc import Callable
@@ -67,7 +67,7 @@ for _token, _initial in _NUMBERS.items():
 
 @entry("PixelTransferf", "PixelTransferi")
 def pixel_transfer(gl, name, value):
-    """A number of pixel transfer."""
+    """Set a number of pixel transfer."""
     if name not in _NUMBERS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(name)} is no parameter of pixel transfer")
     gl.values.set(("pixel transfer", name), type(_NUMBERS[name])(value))
@@ -85,7 +85,7 @@ _MAPS = {
     tokens.PIXEL_MAP_B_TO_B: "b_to_b",
     tokens.PIXEL_MAP_A_TO_A: "a_to_a",
     tokens.PIXEL_MAP_S_TO_S: "s_to_s",
-    tokens.PIXEL_MAP_I_TO_I: "i_to_i",  # of colour-index windows; kept for GetPixelMap alone
+    tokens.PIXEL_MAP_I_TO_I: "i_to_i",  # for colour-index windows; only GetPixelMap reads it
 }
 _OF_INDICES = ("s_to_s", "i_to_i")
 for _map in _MAPS.values():
@@ -93,7 +93,7 @@ for _map in _MAPS.values():
 
 
 def _pixel_map(largest):
-    """The handler of PixelMap for numbers whose largest is 1.0; None: floats."""
+    """The handler of PixelMap for integers, of which ``largest`` means 1.0; None: for floats."""
 
     def handler(gl, name, size, given):
         if name not in _MAPS:
@@ -126,7 +126,7 @@ for _type, _largest in (("fv", None), ("uiv", 4294967295.0), ("usv", 65535.0)):
 
 
 class Table(NamedTuple):
-    """A colour table: as it was asked for, and as pixel transfer takes it. ``table`` None: it is empty."""
+    """A colour table: the requested format, and the table for pixel transfer. ``table`` None: it is empty."""
 
     internal_format: int
     table: ColorTable | None
@@ -152,23 +152,23 @@ for _token in TABLES:
     capability(_token, tokens.TEXTURE_BIT if _token == tokens.TEXTURE_COLOR_TABLE_SGI else _MODE)
 for _token in _TABLE_PROXIES:
     declare(("color table", _token), _EMPTY)
-# What a unit's texture color table depends on.
+# The values that a unit's texture color table depends on.
 TEXTURE_TABLE = (
     ("enabled", tokens.TEXTURE_COLOR_TABLE_SGI),
     ("color table", tokens.TEXTURE_COLOR_TABLE_SGI),
 )
-# Assumed: the entries of an unsized table have eight bits; SGI's boards of twelve-bit textures keep twelve.
+# Assumed: the entries of an unsized table have eight bits; on SGI's boards with twelve-bit textures, twelve.
 _TABLE_BITS = 8
 
 
 def rgba_groups(gl: Any, image: ClientImage | Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
     """A ClientImage of colours as RGBA groups [height, width, 4], without pixel transfer.
 
-    Copies of the framebuffer give a function in an image's place, which reads the groups.
+    Copies from the framebuffer pass a function instead of an image; the function reads the groups.
     """
     if callable(image):
         return image()
-    # Imported where it is used: it compiles kernels, which most programs do not need.
+    # The import is here because it compiles kernels, which most programs do not need.
     from fixedpipe.pipeline.framebuffers.transfer import transfer_image
 
     pixels = image.pixel_image()
@@ -182,7 +182,7 @@ def _colors(groups) -> tuple[Color, ...]:
 
 
 def _table_base(gl, internal_format) -> tuple[BaseFormat, int | None]:
-    """(base format, bits) of a table of an internal format."""
+    """(base format, bits) of a table with an internal format."""
     if internal_format in COMPONENT_COUNTS:
         raise GLError(tokens.INVALID_ENUM, "a colour table's internal format cannot be a number")
     chosen = chosen_format(gl.profile, internal_format)
@@ -237,7 +237,7 @@ def color_sub_table(gl, target, start, count, image_format, image_type, image):
 
 
 def _table_entries(gl, target, image, width):
-    """RGBA entries, scaled, biased and clamped, of an image of ``width`` groups; black without one."""
+    """RGBA entries from an image of ``width`` groups, scaled, biased and clamped; zeros without an image."""
     if image is None:
         return (_ZEROS,) * width
     scale, bias = gl.values["color table scale", target], gl.values["color table bias", target]
@@ -292,7 +292,7 @@ register_parameters("ColorTableParameter", _color_table_parameter)
 
 
 class Filter(NamedTuple):
-    """A convolution filter as it was asked for: rows bottom first, or a row and a column; None: empty."""
+    """A convolution filter as requested: rows, bottom first, or a row and a column. None: it is empty."""
 
     internal_format: int
     base: BaseFormat
@@ -316,7 +316,7 @@ for _token in _FILTERS:
 
 
 def _filter_base(gl, target, internal_format, *edges):
-    """The base format of a filter. Raises Refused without convolution, and GLError."""
+    """The base format of a filter. Raises Refused if the machine has no convolution, and GLError."""
     pixels = gl.profile.pixels
     if not pixels.convolution:
         raise Refused(f"{gl.profile.name} has no convolution")
@@ -327,7 +327,7 @@ def _filter_base(gl, target, internal_format, *edges):
 
 
 def _filter_rows(gl, target, image, width, height=1):
-    """Scaled and biased RGBA rows of a filter's image; zeros without one."""
+    """Scaled and biased RGBA rows of a filter's image; zeros without an image."""
     if image is None:
         return ((_ZEROS,) * width,) * height
     scale, bias = gl.values["convolution scale", target], gl.values["convolution bias", target]
@@ -405,7 +405,7 @@ capability(tokens.MINMAX, _MODE)
 declare("histogram", None)
 declare("proxy_histogram", None)
 declare("minmax", None)
-# Whether a command has counted yet; the machine's counters exist from then on.
+# Whether a command has counted already. From then on the machine's counters exist.
 declare("histogram_begun", False)
 declare("minmax_begun", False)
 
@@ -421,7 +421,7 @@ def _counted_base(gl, internal_format):
 
 @entry("Histogram")
 def histogram(gl, target, width, internal_format, sink):
-    """Define the histogram; its counts begin at zero (EXT_histogram)."""
+    """Define the histogram. Its counts begin at zero (EXT_histogram)."""
     if target not in (tokens.HISTOGRAM, tokens.PROXY_HISTOGRAM):
         raise GLError(tokens.INVALID_ENUM)
     base = _counted_base(gl, internal_format)
@@ -440,7 +440,7 @@ def histogram(gl, target, width, internal_format, sink):
 
 @entry("Minmax")
 def minmax(gl, target, internal_format, sink):
-    """Define the minmax; it begins empty (EXT_histogram)."""
+    """Define the minmax. It is empty at first (EXT_histogram)."""
     if target != tokens.MINMAX:
         raise GLError(tokens.INVALID_ENUM)
     gl.values.set("minmax", Minmax(MINMAX, _counted_base(gl, internal_format), bool(sink)))
@@ -449,7 +449,7 @@ def minmax(gl, target, internal_format, sink):
 
 @entry("ResetHistogram")
 def reset_histogram(gl, target):
-    """Every count becomes zero."""
+    """Set every count to zero."""
     if target != tokens.HISTOGRAM:
         raise GLError(tokens.INVALID_ENUM)
     if gl.values["histogram_begun"]:
@@ -458,7 +458,7 @@ def reset_histogram(gl, target):
 
 @entry("ResetMinmax")
 def reset_minmax(gl, target):
-    """The minmax becomes empty."""
+    """Make the minmax empty."""
     if target != tokens.MINMAX:
         raise GLError(tokens.INVALID_ENUM)
     if gl.values["minmax_begun"]:
@@ -467,7 +467,7 @@ def reset_minmax(gl, target):
 
 @entry("GetHistogram", compiled=False)
 def get_histogram(gl, target, reset, *rest):
-    """What was counted is the machine's; with ``reset`` the counts become zero."""
+    """Only the machine knows the counts, so none are returned. With ``reset`` they become zero."""
     if reset:
         reset_histogram(gl, target)
     gl.tally.add("no effect", gl.called)
@@ -475,7 +475,7 @@ def get_histogram(gl, target, reset, *rest):
 
 @entry("GetMinmax", compiled=False)
 def get_minmax(gl, target, reset, *rest):
-    """What was found is the machine's; with ``reset`` the minmax becomes empty."""
+    """Only the machine knows the minmax, so none is returned. With ``reset`` it becomes empty."""
     if reset:
         reset_minmax(gl, target)
     gl.tally.add("no effect", gl.called)
@@ -485,12 +485,12 @@ no_effect("GetConvolutionFilter", "GetSeparableFilter", "GetColorTable", compile
 
 
 def counts(transfer: PixelTransfer) -> bool:
-    """Whether pixels that pass through are counted or compared."""
+    """Whether a histogram or a minmax counts the pixels of this transfer."""
     return transfer.histogram is not None or transfer.minmax is not None
 
 
 def transfer_of(gl: Any) -> PixelTransfer:
-    """The PixelTransfer of a command that is about to move pixels."""
+    """The PixelTransfer for a command that moves pixels now."""
     transfer: PixelTransfer = gl.values.section("pixel_transfer")
     if counts(transfer):
         gl.values.set("histogram_begun", gl.values["histogram_begun"] or transfer.histogram is not None)
@@ -513,7 +513,7 @@ def _pixel_maps(gl, *maps):
 
 @section("pixel_numbers", *_NUMBER_KEYS)
 def _pixel_numbers(gl, *numbers):
-    """{field of a PixelTransfer: value}, as pairs."""
+    """The numbers as pairs (field of a PixelTransfer, value)."""
     of = dict(zip(_NUMBERS, numbers, strict=True))
 
     def four(name):
@@ -544,7 +544,7 @@ def _pixel_numbers(gl, *numbers):
     *[("color table", token) for token in _TABLE_TOKENS],
 )
 def _pixel_tables(gl, *parts):
-    """The three colour tables; None where one is disabled or empty."""
+    """The three colour tables; None for a table that is disabled or empty."""
     if not gl.profile.pixels.color_tables:
         return (None, None, None)
     return tuple(
@@ -558,7 +558,7 @@ def _pixel_tables(gl, *parts):
     *[(part, token) for token in _FILTERS for part in _FILTER_PARTS],
 )
 def _pixel_filters(gl, *parts):
-    """The three filters; None where one is disabled or empty."""
+    """The three filters; None for a filter that is disabled or empty."""
     made: list[ConvolutionFilter | SeparableFilter | None] = []
     for k in range(3):
         held, mode, color = parts[3 + 3 * k : 6 + 3 * k]

@@ -1,11 +1,11 @@
 """Images in client memory (OpenGL 1.2.1 sections 3.6.1 and 3.6.4): pixel store, formats, types.
 
-``captured`` makes a call's capture: it reads the image when the call is made, with the pixel store of that
-moment, and hands the handler a ``ClientImage``. An image that cannot be read is handed on as the error, which
-the handler raises when the call is carried out; a display list does so when it is called.
+``captured`` makes the capture of a call. It reads the image when the call is made, with the pixel store of
+that time, and passes a ``ClientImage`` to the handler. If the image cannot be read, it passes the error, and
+the handler raises it when the call is carried out. In a display list, this is when the list is called.
 
-Client memory is bytes, a bytes-like object, a NumPy array, or a list of numbers. With a pixel buffer object
-bound it is an offset. Words are little-endian. Assumed: programs ran on x86.
+Client memory is bytes, a bytes-like object, a NumPy array, or a list of numbers. If a pixel buffer object is
+bound, it is an offset. Words are little-endian. Assumed: programs ran on x86.
 """
 
 import math
@@ -25,7 +25,7 @@ from fixedpipe.pipeline.textures.pixel_formats import PACKED_TYPES, packed_forma
 
 
 class Store(NamedTuple):
-    """Table 3.1: how images lie in client memory. PushClientAttrib saves both."""
+    """The layout of images in client memory (table 3.1). PushClientAttrib saves both Stores."""
 
     alignment: int = 4
     row_length: int = 0
@@ -40,7 +40,7 @@ class Store(NamedTuple):
 declare("unpack", Store())
 declare("pack", Store())
 
-# Parameters of PixelStore: whose they are, and which field.
+# Parameters of PixelStore: "pack" or "unpack", and the field.
 STORE_PARAMETERS = {
     getattr(tokens, f"{side.upper()}_{field.upper()}"): (side, field)
     for side in ("unpack", "pack")
@@ -50,11 +50,11 @@ STORE_PARAMETERS = {
 
 @entry("PixelStorei", "PixelStoref", compiled=False)
 def pixel_store(gl, name, value):
-    """How images lie in client memory."""
+    """Set a parameter of the layout of images in client memory."""
     if name not in STORE_PARAMETERS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(name)} is no parameter of pixel store")
     side, field = STORE_PARAMETERS[name]
-    # Section 3.6.1: a call for floats gives the nearest integer.
+    # Section 3.6.1: a call for floats sets the nearest integer.
     value = bool(value) if field in ("swap_bytes", "lsb_first") else math.floor(value + 0.5)
     if value < 0 or (field == "alignment" and value not in (1, 2, 4, 8)):
         raise GLError(tokens.INVALID_VALUE, f"{tokens.name_of(name)} cannot be {value}")
@@ -81,7 +81,7 @@ FORMATS = {
     tokens.STENCIL_INDEX: ("STENCIL_INDEX", 1),
     tokens.COLOR_INDEX: ("COLOR_INDEX", 1),
 }
-# Groups of NV_texture_shader, which no PixelImage holds: their elements.
+# Groups of NV_texture_shader, which a PixelImage cannot hold: their number of elements.
 BUMP_FORMATS = {
     tokens.HILO_NV: 2,
     tokens.DSDT_NV: 2,
@@ -105,15 +105,15 @@ PACKED = {getattr(tokens, name): name for name in PACKED_TYPES}
 _WORDS = {token: np.dtype(PACKED_TYPES[name].word).newbyteorder("<") for token, name in PACKED.items()}
 _WORDS[tokens.UNSIGNED_INT_24_8_EXT] = np.dtype("<u4")
 _IN_BYTES = (tokens.UNSIGNED_INT_8_8_8_8, tokens.UNSIGNED_INT_8_8_8_8_REV)
-_LARGEST = 2.0**32  # Source: OpenGL 1.2.1 section 2.1.1: floating-point numbers reach this far at least
+_LARGEST = 2.0**32  # Source: OpenGL 1.2.1 section 2.1.1: the range of floating-point numbers, at least
 
 
 class ClientImage(NamedTuple):
-    """An image as it lay in client memory, bottom row first; it is read-only.
+    """An image as it was in client memory, bottom row first. It is read-only.
 
-    - ``values``: [layers, height, width, elements]; of packed types words, with one element.
-    - ``format``: its token.
-    - ``packed``: the name of the type if its words hold whole groups.
+    - ``values``: [layers, height, width, elements]. For packed types they are words, with one element.
+    - ``format``: the token of its format.
+    - ``packed``: the name of its type if each word holds a whole group.
     """
 
     values: NDArray[Any]
@@ -121,11 +121,11 @@ class ClientImage(NamedTuple):
     packed: Any = None
 
     def image_format(self) -> str:
-        """The PixelImage's format."""
+        """The format for a PixelImage."""
         return FORMATS[self.format][0]
 
     def pixel_image(self, layers: bool = False) -> PixelImage:
-        """The PixelImage; ``layers``: whether it keeps the axis for layers. Indices are whole numbers."""
+        """The image as a PixelImage. ``layers``: whether it has the axis for layers. Indices are integers."""
         values = self.values
         if self.format == tokens.ABGR_EXT:
             values = values[..., ::-1]
@@ -139,14 +139,14 @@ class ClientImage(NamedTuple):
 
 
 def finite(values: NDArray[Any]) -> NDArray[Any]:
-    """Floats whose NaN and infinities, which OpenGL leaves undefined, are numbers of at most 2**32."""
+    """Floats with NaN and infinities, which are undefined in OpenGL, replaced by numbers within +-2**32."""
     if np.isfinite(values).all() and (values.dtype.itemsize <= 2 or (np.abs(values) <= _LARGEST).all()):
         return values
     return np.clip(np.nan_to_num(values), -_LARGEST, _LARGEST)
 
 
 def check_format(image_format: int, image_type: int) -> None:
-    """Refuse formats and types that OpenGL does not know or that do not go together. Raises GLError."""
+    """Raise GLError for an unknown format or type, or if the two do not fit together."""
     if image_format not in FORMATS and image_format not in BUMP_FORMATS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(image_format)} is no format of images")
     indices = image_format in INDEX_FORMATS
@@ -174,7 +174,7 @@ def check_format(image_format: int, image_type: int) -> None:
 
 
 def _packed_name(image_format, image_type):
-    """A packed type's name, or None where it does not hold groups of the format."""
+    """A packed type's name; None if the type cannot hold groups of the format."""
     name = PACKED[image_type]
     if image_format not in FORMATS or image_format == tokens.ABGR_EXT:
         return None
@@ -185,9 +185,10 @@ def _packed_name(image_format, image_type):
 
 
 def memory(gl: Any, given: Any, dtype: str) -> NDArray[np.uint8] | None:
-    """The bytes from a pointer on; None for a null pointer. Raises Refused where they are not known.
+    """The bytes from a pointer on; None for a null pointer. Raises Refused if they are not known, and GLError
+    if they are outside a buffer object.
 
-    ``dtype``: of what a list of numbers holds. The bytes do not change when the program writes there later.
+    ``dtype``: the type of the numbers in a list. Later writes by the program do not change the bytes.
     """
     found = memory_at(gl, tokens.PIXEL_UNPACK_BUFFER_ARB, given, dtype)
     if found is None:
@@ -203,7 +204,7 @@ def read_image(gl, size, image_format, image_type, given, *, whole_images=False)
     """The ClientImage of ``size`` (width, height, depth) at a pointer; None for a null pointer.
 
     ``whole_images``: whether IMAGE_HEIGHT and SKIP_IMAGES apply, as for 3D textures.
-    Raises GLError for formats and types, and Refused where memory holds less than the image.
+    Raises GLError for wrong formats and types, and Refused if the memory is smaller than the image.
     """
     check_format(image_format, image_type)
     if image_type == tokens.BITMAP:
@@ -231,13 +232,13 @@ def _read_only(values):
 
 
 def row_bytes(store: Store, width: int, group: int, element: int) -> int:
-    """Bytes from a row to the next (section 3.6.4), of groups of ``group`` bytes, elements of ``element``."""
+    """Bytes from a row to the next (section 3.6.4). ``group``, ``element``: bytes of a group, an element."""
     length = (store.row_length or width) * group
     return length if element >= store.alignment else -(-length // store.alignment) * store.alignment
 
 
 def _elements(store, size, elements, dtype, data, whole_images):
-    """Elements [depth, height, width, elements] that lie in ``data`` as a Store says."""
+    """Elements [depth, height, width, elements] of ``data``, whose layout a Store describes."""
     width, height, depth = size
     group = elements * dtype.itemsize
     row = row_bytes(store, width, group, dtype.itemsize)
@@ -277,15 +278,15 @@ def _bitmap(gl, size, image_format, given):
 
 
 Capture = Callable[..., tuple[Any, ...]]
-# The largest image that is read: beyond, every size is an error of OpenGL's. Assumed: no machine has more.
+# The longest edge of an image that is read. Larger sizes are errors in OpenGL. Assumed: no machine has more.
 _MOST_EDGE = 1 << 16
 
 
 def captured(*sizes: int, layers: bool = False) -> Capture:
     """The capture of a call whose last arguments are format, type and pointer.
 
-    ``sizes``: the places of width, height and depth among its arguments. In the pointer's place the handler
-    gets a ClientImage, None, or the error of reading it. An image of no size is None.
+    ``sizes``: the places of width, height and depth among its arguments. Instead of the pointer the handler
+    gets a ClientImage, None, or the error of reading it. An image with an edge of 0 is None.
     """
 
     def capture(gl, *arguments):
@@ -305,7 +306,7 @@ def captured(*sizes: int, layers: bool = False) -> Capture:
 
 
 def given_image(image: Any) -> ClientImage | None:
-    """What ``captured`` gave: the image, or None. Raises the error of reading it."""
+    """The image that ``captured`` read, or None. Raises the error of reading it."""
     if isinstance(image, Exception):
         raise image
     return image

@@ -13,7 +13,7 @@ from fixedpipe.pipeline.state import PointState
 
 # POINT_SPRITE_COORD_ORIGIN and its values, of OpenGL 2.0.
 _ORIGIN, _ORIGINS = 0x8CA0, {0x8CA1: "LOWER_LEFT", 0x8CA2: "UPPER_LEFT"}
-# Parameters of one number: the value's key.
+# Parameters of one number, and the key of each one's value.
 POINT_NUMBERS = {
     tokens.POINT_SIZE_MIN: "point_size_min",
     tokens.POINT_SIZE_MAX: "point_size_max",
@@ -60,14 +60,14 @@ def _point(gl, size, smooth, sprite, smallest, largest, attenuation):
                 "no effect",
                 f"POINT_DISTANCE_ATTENUATION: {profile.name}'s points have one size at any distance",
             )
-    # ARB_point_parameters: the limits hold for every point.
+    # ARB_point_parameters: the limits apply to every point.
     size = driver.point_size(profile, min(max(size, smallest), largest))
     return PointState(size=size, sprite=sprite, parameters=parameters)
 
 
 @entry("PointSize")
 def point_size(gl, size):
-    """The size of points, in pixels."""
+    """Set the size of points, in pixels."""
     if not size > 0:
         raise GLError(tokens.INVALID_VALUE, f"a point size of {size}")
     gl.values.set("point_size", float(size))

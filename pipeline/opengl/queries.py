@@ -1,7 +1,7 @@
-"""Queries (OpenGL 1.2.1 chapter 6.1): what the state is, in the type that a program asks for.
+"""Queries (OpenGL 1.2.1 chapter 6.1): they return the state, in the type that a program asks for.
 
-A query takes what a trace recorded as its answer, and ignores it. It returns the answer: one number, or
-several.
+A query accepts the answer that a trace recorded as an argument, and ignores it. It returns its own answer:
+one number, or several.
 """
 
 import math
@@ -66,7 +66,7 @@ def _unsigned(value, largest):
 
 
 def _answer(value, kind, fraction=False):
-    """A value, or several, in the type of an entry point whose name ends with ``kind``."""
+    """A value, or a tuple of them, in the type of an entry point whose name ends with ``kind``."""
     convert = _CONVERSIONS[kind]
     if isinstance(value, tuple):
         return tuple([convert(each, fraction) for each in value])
@@ -100,7 +100,7 @@ for _kind in ("Booleanv", "Integerv", "Floatv", "Doublev"):
 
 @entry("GetError", compiled=False)
 def get_error(gl):
-    """The first error since the last call of this."""
+    """The first error since the last call of GetError."""
     error, gl.error = gl.error, 0
     return error
 
@@ -126,7 +126,7 @@ def get_string_of(gl, name, number):
     if name != tokens.EXTENSIONS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(name)} is no list of strings")
     if number >= len(listed) and gl.recorded_result is not None:
-        return None  # a recorded program goes through its own driver's list
+        return None  # a recorded program reads the list of its own driver
     if not 0 <= number < len(listed):
         raise GLError(tokens.INVALID_VALUE, f"extension {number} of {len(listed)}")
     return listed[number]
@@ -136,7 +136,7 @@ def get_string_of(gl, name, number):
 
 
 def register_queries(stem: str, kinds: Iterable[str], find: Callable[..., tuple[Any, bool]]) -> None:
-    """Enter stem + each of ``kinds``. ``find(gl, *names)`` gives a value, and whether it is fractions."""
+    """Register stem + each of ``kinds``. ``find(gl, *names)`` returns (value, whether it is a fraction)."""
     for kind in kinds:
 
         def get(gl, *arguments, kind=kind):
@@ -174,7 +174,7 @@ register_queries("GetMaterial", ("fv", "iv"), _material)
 
 @entry("GetPointerv", compiled=False)
 def get_pointer(gl, name, *_recorded):
-    """What a pointer was given as: of an array, of selection or of feedback."""
+    """The pointer that a program set for an array, for selection or for feedback."""
     if name in (tokens.SELECTION_BUFFER_POINTER, tokens.FEEDBACK_BUFFER_POINTER):
         selecting = name == tokens.SELECTION_BUFFER_POINTER
         buffer = gl.selection.select_buffer if selecting else gl.selection.feedback_buffer
@@ -193,7 +193,7 @@ def get_clip_plane(gl, plane, *_recorded):
 
 @entry("PolygonStipple", capture=lambda gl, given: (_stipple(gl, given),))
 def polygon_stipple(gl, pattern):
-    """The pattern of stippled polygons, 32 rows of 32 bits (section 3.5.2)."""
+    """Set the pattern of stippled polygons, 32 rows of 32 bits (section 3.5.2)."""
     if isinstance(pattern, Refused):
         raise pattern
     if pattern is not None:
@@ -210,20 +210,20 @@ def _stipple(gl, given):
 
 @entry("GetPolygonStipple", compiled=False)
 def get_polygon_stipple(gl, *_recorded):
-    """The pattern: 32 rows of four bytes, bottom row first. Pixel store has no part in it."""
+    """The stipple pattern: 32 rows of four bytes, bottom row first. Pixel store does not apply."""
     return gl.values["polygon_stipple"]
 
 
 # --------------------------------------------------------------------------------------------- for --check
 
-# Queries whose answers are another driver's own, addresses, or of pixels; and GetError, which changes the
+# Queries whose answers depend on the driver, are addresses, or are pixels; and GetError, which changes the
 # error.
 _OWN = (
     *("GetError", "GetString", "GetStringi", "GetPointerv", "GetPolygonStipple", "GetTexImage"),
     *("GetCompressedTexImage", "GetHistogram", "GetMinmax", "GetColorTable", "GetConvolutionFilter"),
     *("GetSeparableFilter", "GetBufferPointerv", "GetBufferSubData"),
 )
-# Sizes of components in the machine's texels, of GetTexLevelParameter, GetColorTableParameter and others.
+# Tokens for sizes of components in texels, for GetTexLevelParameter, GetColorTableParameter and others.
 _SIZES = frozenset(
     value
     for name, value in vars(tokens).items()
@@ -232,11 +232,10 @@ _SIZES = frozenset(
 
 
 def answer(gl: Any, name: str, arguments: Sequence[Any]) -> tuple[Any, ...] | None:
-    """What a query answers now, for ``name`` and the arguments as in a trace. The state stays as it is.
+    """The present answer of a query ``name`` with the arguments of a trace. The state does not change.
 
-    None where another driver's answer may differ (``LIMITS``, strings, addresses, pixels), where OpenGL has
-    an error for an answer, and for what is no query. What a call beside queries returns, ``Context.call``
-    gives.
+    None if another driver's answer may differ (``LIMITS``, strings, addresses, pixels), if the query is an
+    error in OpenGL, or if ``name`` is no query. For results of other calls, use ``Context.call``.
     """
     point = resolve(name)
     if point is None or not point.name.startswith(("glGet", "glIs")) or point.name[2:] in _OWN:
@@ -250,12 +249,12 @@ def answer(gl: Any, name: str, arguments: Sequence[Any]) -> tuple[Any, ...] | No
     return given if isinstance(given, tuple) else (given,)
 
 
-# How far another driver's matrices and colours may differ: it computes in single precision.
+# The allowed difference to another driver's matrices and colours, which have single precision.
 _NEAR = 1e-5
 
 
 def agrees(answered: tuple[Any, ...], recorded: Any) -> bool:
-    """Whether a trace's recorded answer, a number or a list, is what ``answer`` gave."""
+    """Whether a trace's recorded answer, a number or a list, agrees with the result of ``answer``."""
     numbers = recorded if isinstance(recorded, list) else [recorded]
     if len(numbers) < len(answered):
         return False
@@ -267,5 +266,5 @@ def agrees(answered: tuple[Any, ...], recorded: Any) -> bool:
 def _near(mine, other, near):
     if isinstance(mine, float) or isinstance(other, float):
         return abs(float(mine) - float(other)) <= near
-    # A mask of 32 bits is signed in GetIntegerv.
+    # GetIntegerv returns a mask of 32 bits as a signed integer.
     return int(mine) & 0xFFFFFFFF == int(other) & 0xFFFFFFFF

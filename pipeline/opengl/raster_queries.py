@@ -1,6 +1,6 @@
-"""What Get answers of the raster position (OpenGL 1.2.1 section 2.12, table 6.6): the machine's own values.
+"""Answers of Get about the raster position (OpenGL 1.2.1 section 2.12, table 6.6): the machine's own values.
 
-The vertex stage is loaded with the first such call, since it brings compiled kernels.
+The first such call imports the vertex stage, because this loads compiled kernels.
 """
 
 from math import sqrt
@@ -20,7 +20,7 @@ def _vertex(gl) -> VertexState:
 
 
 def _found(gl):
-    """The vertex stage's result, or None where the position is not valid."""
+    """The vertex stage's result, or None if the position is not valid."""
     from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 
     raster = gl.values["raster"]
@@ -36,7 +36,7 @@ def _found(gl):
 
 
 def _window(gl):
-    """Window x, y and depth, and clip w. A position that is not valid has none; the initial one is given."""
+    """Window x, y and depth, and clip w. For an invalid position, which has none, the initial values."""
     found = _found(gl)
     return (0.0, 0.0, 0.0, 1.0) if found is None else (found.x, found.y, found.z, 1.0 / found.inverse_w)
 
@@ -55,7 +55,7 @@ def _distance(gl):
 
 
 def _color(gl, first):
-    """The four components from ``first`` on of the colours, in [0, 1]."""
+    """Four components of the colours, from ``first`` on, in [0, 1]."""
     found, position = _found(gl), raster_position(gl)
     given = (*position.color, *position.secondary_color) if found is None else found.colors.tolist()
     return tuple([min(max(component, 0.0), 1.0) for component in given[first : first + 4]])

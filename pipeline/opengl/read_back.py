@@ -1,8 +1,8 @@
-"""What only the machine knows, in the middle of a frame: pixels of its framebuffer, and how many passed.
+"""Reads from the machine in mid-frame: pixels of its framebuffer, and how many samples passed.
 
-Commands are immutable, and a colour table or a blit of another framebuffer is made of pixels. So what waits
-is drawn first, and the pixels are read, as a driver of the time did. A ``Context`` by itself has no machine
-behind it, and refuses such calls; a replay has one.
+Commands are immutable, and a copied colour table or a blit of another framebuffer needs pixels. So waiting
+commands are drawn first, and then the pixels are read, as a driver of the time did. A ``Context`` alone has
+no machine behind it, and refuses such calls. A replay has one.
 """
 
 from typing import Any, Protocol
@@ -14,7 +14,7 @@ from fixedpipe.pipeline.commands import ReadPixels
 from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.opengl.outcomes import Refused
 
-# Bits of a depth that a fixed format's units become: PixelImage takes them as fractions of the largest.
+# The largest depth in a PixelImage, which holds depths as fractions of it.
 _WIDEST = np.uint64(2**32 - 1)
 
 
@@ -22,13 +22,13 @@ class Behind(Protocol):
     """The machine behind a Context."""
 
     def read(self, command: ReadPixels) -> NDArray[Any]:
-        """Run the commands that wait, and then this one; returns its pixels, zeros where nothing is drawn."""
+        """Run the waiting commands, and then this one. Returns its pixels; zeros if nothing is drawn."""
 
     def depth_bits(self) -> int:
-        """The width of a depth that ``read`` gives."""
+        """How many bits a depth of ``read`` has."""
 
     def count_samples(self, begun: bool) -> int | None:
-        """Begin to count the samples that pass, or end it and return the count; None: nothing counts."""
+        """Begin to count samples that pass, or end it and return the count; None if nothing is counted."""
 
 
 def _behind(gl: Any) -> Behind:
@@ -38,7 +38,7 @@ def _behind(gl: Any) -> Behind:
 
 
 def _read(gl, box, size, kind, buffer=ColorBuffer.BACK):
-    """(pixels of the part of a box that lies in a framebuffer of ``size``, its rows, its columns)."""
+    """(pixels, rows, columns) of the part of a box inside a framebuffer of ``size`` pixels."""
     x, y, width, height = box
     left, below = max(x, 0), max(y, 0)
     right, above = min(x + width, size[0]), min(y + height, size[1])
@@ -62,10 +62,10 @@ def _read(gl, box, size, kind, buffer=ColorBuffer.BACK):
 def colors_read(
     gl: Any, box: tuple[int, int, int, int], size: tuple[int, int], buffer: ColorBuffer
 ) -> NDArray[np.float64]:
-    """The colours of a box of the framebuffer, which has ``size`` pixels, as they are now.
+    """The present colours of a box of the framebuffer, [height, width, 4] in [0, 1], bottom row first.
 
-    ``box``: x, y, width and height. [height, width, 4] in [0, 1], bottom row first. Pixels outside, which
-    OpenGL leaves undefined, are zero. Raises Refused where there is no machine.
+    ``box``: x, y, width and height; ``size``: of the framebuffer. Pixels outside, which are undefined in
+    OpenGL, are zero. Raises Refused if there is no machine.
     """
     made = np.zeros((box[3], box[2], 4))
     read, rows, columns = _read(gl, box, size, "RGBA", buffer)
@@ -75,18 +75,18 @@ def colors_read(
 
 
 def depths_read(gl: Any, box: tuple[int, int, int, int], size: tuple[int, int]) -> NDArray[np.uint32]:
-    """The depths of a box, as ``colors_read``: [height, width], fractions of 2^32 - 1."""
+    """The depths of a box, [height, width], as fractions of 2^32 - 1. Otherwise as ``colors_read``."""
     made = np.zeros((box[3], box[2]), np.uint32)
     read, rows, columns = _read(gl, box, size, "DEPTH_COMPONENT")
     if read is not None:
         farthest = np.uint64(2 ** _behind(gl).depth_bits() - 1)
-        # The machine gets the same depth from this fraction.
+        # The machine converts this fraction back to the same depth.
         made[rows, columns] = (read.astype(np.uint64) * _WIDEST + farthest // np.uint64(2)) // farthest
     return made
 
 
 def stencil_read(gl: Any, box: tuple[int, int, int, int], size: tuple[int, int]) -> NDArray[np.uint8]:
-    """The stencil values of a box, as ``colors_read``: [height, width]."""
+    """The stencil values of a box, [height, width]. Otherwise as ``colors_read``."""
     made = np.zeros((box[3], box[2]), np.uint8)
     read, rows, columns = _read(gl, box, size, "STENCIL_INDEX")
     if read is not None:

@@ -1,7 +1,7 @@
 """Rectangles of pixels, and of vertices: DrawPixels, CopyPixels, Bitmap, raster positions, ReadPixels, Rect.
 
-A raster position is transformed and lit when a command draws, by the vertex state and the texture coordinate
-generation of the moment at which it was set.
+A raster position is transformed and lit when a command draws, with the vertex state and the texture
+coordinate generation of the time when it was set.
 
 Source: OpenGL 1.2.1 sections 2.10, 2.12, 3.6.4, 3.7, 4.3; ARB_window_pos, MESA_window_pos;
 SGIX_pixel_texture, SGIS_pixel_texture.
@@ -41,7 +41,7 @@ from fixedpipe.pipeline.state import Matrix, PassState, PixelTexture, RasterPosi
 
 
 class Raster(NamedTuple):
-    """The raster position, and what transforms it: the vertex state and each unit's (generation, matrix)."""
+    """The raster position, with the vertex state and each unit's (generation, matrix) that transform it."""
 
     position: RasterPosition
     vertex: VertexState
@@ -119,7 +119,7 @@ def raster_position(gl: Any) -> RasterPosition:
 
 
 def raster_state(gl: Any) -> PassState:
-    """The state now, with what transforms the raster position as it was when that was set."""
+    """The present state, with the transformations from the time when the raster position was set."""
     state, raster = gl.state(), gl.values["raster"]
     if raster is None:
         return state
@@ -130,7 +130,7 @@ def raster_state(gl: Any) -> PassState:
 
 
 def _with_raster_unit(unit, raster):
-    """A unit with the generation and matrix that the raster position had."""
+    """A unit with the generation and matrix of the raster position."""
     gen, matrix = raster.units[unit.coordinates]
     return unit if (unit.gen, unit.matrix) == (gen, matrix) else replace(unit, gen=gen, matrix=matrix)
 
@@ -142,12 +142,12 @@ declare("pixel_zoom", (1.0, 1.0), tokens.PIXEL_MODE_BIT)
 
 @entry("PixelZoom")
 def pixel_zoom(gl, x, y):
-    """How many pixels a group covers (section 3.6.4)."""
+    """Set how many pixels a group covers (section 3.6.4)."""
     gl.values.set("pixel_zoom", (float(x), float(y)))
 
 
 def _draws(gl, token):
-    """Whether a rectangle is drawn; else feedback gets its token."""
+    """Whether a rectangle is drawn. If not, feedback gets its token."""
     if gl.values["render_mode"] != tokens.RENDER:
         feed_back_rectangle(gl, token, raster_position(gl), raster_state(gl))
         return False
@@ -242,7 +242,7 @@ def copy_pixels(gl, x, y, width, height, kind):
 
 
 def _inside(gl, x, y, width, height):
-    """(columns and rows cut off on the left and below, the rest) of what lies in the framebuffer.
+    """((columns, rows) cut off on the left and below, the rectangle's part inside the framebuffer).
 
     Pixels outside are undefined (section 4.3.2).
     """
@@ -255,7 +255,7 @@ def _inside(gl, x, y, width, height):
 
 
 def _capture_bitmap(gl, width, height, x_origin, y_origin, x_move, y_move, given):
-    """A bitmap's bits, or the error of reading them, in place of the pointer."""
+    """The arguments of Bitmap with the bits, or the error of reading them, instead of the pointer."""
     bits: Any = None
     try:
         if 0 < width <= 1 << 16 and 0 < height <= 1 << 16:
@@ -267,7 +267,7 @@ def _capture_bitmap(gl, width, height, x_origin, y_origin, x_move, y_move, given
 
 @entry("Bitmap", capture=_capture_bitmap)
 def bitmap(gl, width, height, x_origin, y_origin, x_move, y_move, bits):
-    """Draw where bits are set, and move the raster position (section 3.7)."""
+    """Draw the pixels whose bits are set, and move the raster position (section 3.7)."""
     if width < 0 or height < 0:
         raise GLError(tokens.INVALID_VALUE)
     if not all(map(isfinite, (x_origin, y_origin, x_move, y_move))):
@@ -315,7 +315,9 @@ for _name in (tokens.PIXEL_FRAGMENT_RGB_SOURCE_SGIS, tokens.PIXEL_FRAGMENT_ALPHA
 
 @entry("PixelTexGen")
 def pixel_tex_gen(gl, mode):
-    """What a group that becomes texture coordinates leaves to the raster position (SGIX_pixel_texture)."""
+    """Set which components come from the raster position if groups become texture coordinates
+    (SGIX_pixel_texture).
+    """
     if not gl.profile.pixels.pixel_texture:
         raise Refused(f"{gl.profile.name} has no SGIX_pixel_texture")
     member(_TEX_GEN_MODES, mode)
@@ -335,7 +337,7 @@ register_parameters("PixelTexGenParameter", _pixel_tex_gen_parameter)
 
 
 def _pixel_texture(gl, state):
-    """The PixelTexture of a rectangle of colours, or None. Without a texture unit groups are colours."""
+    """The PixelTexture of a rectangle of colours, or None. Without a texture unit, groups are colours."""
     pixels, values = gl.profile.pixels, gl.values
     if not any(unit is not None for unit in state.texture_units):
         return None
@@ -355,9 +357,9 @@ def _pixel_texture(gl, state):
 
 @entry("ReadPixels", compiled=False)
 def read_pixels(gl, x, y, width, height, image_format, image_type, given=None):
-    """Read pixels (section 4.3.2): of no effect on a picture, unless they are counted.
+    """Read pixels (section 4.3.2). This has no effect on a picture, unless a histogram or minmax counts them.
 
-    Refused where they go into a buffer object, from which a program may draw them.
+    Raises Refused if they go into a buffer object, because a program may draw from it.
     """
     check_format(image_format, image_type)
     if width < 0 or height < 0:
@@ -390,7 +392,7 @@ def read_pixels(gl, x, y, width, height, image_format, image_type, given=None):
 
 
 def _rect(gl, x1, y1, x2, y2):
-    """A POLYGON of four vertices (section 2.10)."""
+    """Draw a POLYGON of four vertices (section 2.10)."""
     begin(gl, tokens.POLYGON)
     for corner in ((x1, y1), (x2, y1), (x2, y2), (x1, y2)):
         vertex(gl, corner)

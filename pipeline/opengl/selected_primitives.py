@@ -1,7 +1,7 @@
-"""What selection and feedback take of primitives (OpenGL 1.2.1 sections 5.2 and 5.3).
+"""Primitives in selection and feedback (OpenGL 1.2.1 sections 5.2 and 5.3).
 
-Vertices are transformed, lit and clipped in float64 by OpenGL's equations, whatever the machine computes by.
-Polygons are fed back as the triangles that a machine splits them into, which section 5.3 allows.
+Vertices are transformed, lit and clipped in float64 by OpenGL's equations, for any machine. Feedback returns
+polygons as the triangles into which a machine splits them, which section 5.3 allows.
 """
 
 from dataclasses import replace
@@ -25,13 +25,13 @@ from fixedpipe.pipeline.vertices.stage import eye_and_clip
 from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
 from fixedpipe.pipeline.vertices.weighting import weight_of
 
-# The edges of a triangle, as ``boundary_edges`` numbers them, in the order in which they are drawn.
+# The edges of a triangle, by the numbers of ``boundary_edges``, in the order in which they are drawn.
 _EDGES = ((1, 2), (2, 0), (0, 1))
-_FIRST_COLOR = 8  # among the columns that are clipped; clip and eye coordinates come first
+_FIRST_COLOR = 8  # its place among the clipped columns; clip and eye coordinates come first
 
 
 def take_mesh(gl, mesh: Mesh) -> None:
-    """What a draw of ``mesh`` does in selection or feedback."""
+    """Do what a draw of ``mesh`` does in selection or feedback."""
     state, size = gl.state(), (gl.drawable.width, gl.drawable.height)
     feeds_back = gl.values["render_mode"] == tokens.FEEDBACK
     with np.errstate(all="ignore"):
@@ -57,8 +57,8 @@ def take_mesh(gl, mesh: Mesh) -> None:
 
 
 def _vertex_columns(gl, mesh, state: PassState, feeds_back):
-    """Columns [n] of vertices: clip and eye coordinates; for feedback front and back colours (4 each), and
-    texture coordinates.
+    """Columns [n] of vertices: clip and eye coordinates. For feedback also front and back colours (4 each),
+    and texture coordinates.
     """
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
     eye, clip_coordinates = eye_and_clip(state.vertex, position, weight_of(mesh))
@@ -73,7 +73,7 @@ def _vertex_columns(gl, mesh, state: PassState, feeds_back):
 
 
 def _first_unit(gl):
-    """Unit 0 as it makes texture coordinates, which it does whether it is enabled or not (section F.2.14)."""
+    """Unit 0 with its texture coordinates. It makes them even if it is not enabled (section F.2.14)."""
     generates = [gl.values["enabled", token, 0] for token in GENERATIONS]
     held = gl.values["texture generation", 0]
     return TextureUnit(
@@ -85,7 +85,7 @@ def _first_unit(gl):
 
 
 def _clipped(mesh, state, size, columns):
-    """Rows of ``assemble`` after clipping, the columns with new vertices, and the row that each came from."""
+    """(rows of ``assemble`` after clipping, columns with new vertices, the original row of each row)."""
     half_size, center = viewport_transform(state.vertex.viewport, *size)
     planes = clip_planes(
         state.vertex.clip_planes, half_size, center, size, 0.0, state.depth_clamp is not None
@@ -98,7 +98,9 @@ def _clipped(mesh, state, size, columns):
 
 
 def _faces_front(rows, origin, x, y, front_face):
-    """Whether the triangle that each row came from faces the front; without area it is counter-clockwise."""
+    """Whether the original triangle of each row faces the front. One without area counts as
+    counter-clockwise.
+    """
     (x0, x1, x2), (y0, y1, y2) = x[rows[:, :3]].T, y[rows[:, :3]].T
     areas = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
     of_whole = np.bincount(origin, areas)[origin] if len(rows) else areas
@@ -148,9 +150,9 @@ def _line_token(begins):
 
 
 def _boundary(mesh, rows, origin):
-    """The edges of each row that bound a polygon, as ``boundary_edges`` has them.
+    """The edges of each row that bound a polygon, in the form of ``boundary_edges``.
 
-    A clipped triangle's outline is its whole boundary, edges that clipping made among it (section 2.11).
+    The boundary of a clipped triangle includes the edges that clipping made (section 2.11).
     """
     boundary = boundary_edges(mesh)[origin]
     clipped = np.isin(origin, origin[(rows[:, :3] >= len(mesh.positions)).any(axis=1)])
@@ -159,13 +161,13 @@ def _boundary(mesh, rows, origin):
 
 
 def raster_position_depth(gl, position: RasterPosition, state: PassState) -> float | None:
-    """The window depth of a raster position, or None where it is not valid."""
+    """The window depth of a raster position, or None if it is not valid."""
     found = raster_vertex(position, state, IDEAL, gl.drawable.width, gl.drawable.height)
     return None if found is None else found.z
 
 
 def raster_position_values(gl, position: RasterPosition, state: PassState) -> list[float] | None:
-    """The values of a raster position as those of a vertex in feedback, or None where it is not valid."""
+    """The values of a raster position, as for a vertex in feedback; None if it is not valid."""
     state = replace(state, texture_units=(_first_unit(gl),))
     found = raster_vertex(position, state, IDEAL, gl.drawable.width, gl.drawable.height)
     if found is None:

@@ -1,6 +1,6 @@
-"""Selection and feedback (OpenGL 1.2.1 sections 5.2 and 5.3): host work, which draws nothing.
+"""Selection and feedback (OpenGL 1.2.1 sections 5.2 and 5.3): work of the host, which draws nothing.
 
-``selected_primitives`` has what they take of a primitive. It is loaded at need, because it needs kernels.
+``selected_primitives`` handles primitives in these modes. It is imported on use, because it needs kernels.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,11 +14,11 @@ from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.state import PassState, RasterPosition
 
-# Section 5.2: at least 64.
+# Source: section 5.2: at least 64.
 MAX_NAME_STACK_DEPTH = 64
 _LARGEST = 0xFFFFFFFF
 
-# Of a feedback type: how many coordinates, and whether colours and texture coordinates follow (table 5.2).
+# For a feedback type: how many coordinates, and whether colours and texture coordinates follow (table 5.2).
 _TYPES = {
     tokens._2D: (2, False, False),
     tokens._3D: (3, False, False),
@@ -26,15 +26,15 @@ _TYPES = {
     tokens._3D_COLOR_TEXTURE: (3, True, True),
     tokens._4D_COLOR_TEXTURE: (4, True, True),
 }
-# Places in a vertex: window x, y, z and clip w, the colour, the texture coordinates.
+# Places in a vertex's values: window x, y, z and clip w; then the colour, then the texture coordinates.
 _COLOR, _TEXTURE = slice(4, 8), slice(8, 12)
 
 
 class Selection:
     """The state of selection and feedback.
 
-    - ``written``: the values of the selection or feedback array, so far or of the last such mode.
-    - ``names``: the name stack, bottommost first.
+    - ``written``: the values written so far into the selection or feedback array, also after the mode's end.
+    - ``names``: the name stack, bottommost name first.
     """
 
     def __init__(self):
@@ -46,7 +46,7 @@ class Selection:
         self._room = 0
         self._overflowed = False
         self._records = 0
-        self._depths: tuple[float, float] | None = None  # of hits since the last record
+        self._depths: tuple[float, float] | None = None  # the range of hits since the last record
 
     def enter(self, size: int) -> None:
         """Begin a mode whose array holds ``size`` values."""
@@ -54,13 +54,13 @@ class Selection:
         self._records, self._depths = 0, None
 
     def write(self, values: Sequence[Any]) -> None:
-        """Write what of the values there is room for."""
+        """Write as many of the values as there is room for."""
         room = self._room - len(self.written)
         self.written += values[:room]
         self._overflowed |= len(values) > room
 
     def hit(self, depths: Iterable[float]) -> None:
-        """Note vertices of window depths ``depths`` that lie in the view volume."""
+        """Note vertices in the view volume, with the window depths ``depths``."""
         known = (*depths, *(self._depths or ()))
         self._depths = min(known), max(known)
 
@@ -68,14 +68,14 @@ class Selection:
         """Write a hit record, if there was a hit since the last one."""
         if self._depths is None:
             return
-        # Python's integers: float64 has the product exactly rounded, and its nearest whole number.
+        # In float64 the product is correctly rounded, and so is its nearest integer.
         scaled = [round(min(max(depth, 0.0), 1.0) * _LARGEST) for depth in self._depths]
         self.write([len(self.names), *scaled, *self.names])
         self._records += 1
         self._depths = None
 
     def chosen(self, values: Sequence[float]) -> list[float]:
-        """What of a vertex the feedback's type returns.
+        """The values of a vertex that the feedback's type returns.
 
         ``values``: window x, y and z, clip w, the colour and the texture coordinates.
         """
@@ -84,7 +84,7 @@ class Selection:
         return [value for part in parts for value in part]
 
     def leave(self, mode: int) -> int:
-        """End a mode; return what RenderMode returns."""
+        """End a mode. Returns the result of RenderMode."""
         if mode == tokens.SELECT:
             self.record()
             _fill(self.select_buffer, self.written)
@@ -104,7 +104,7 @@ def _fill(buffer, written):
 
 @entry("RenderMode", compiled=False)
 def render_mode(gl, mode):
-    """Choose drawing, selection or feedback; return how much the last mode gave."""
+    """Choose drawing, selection or feedback. Returns the number of records or values of the last mode."""
     selection, before = gl.selection, gl.values["render_mode"]
     if mode not in (tokens.RENDER, tokens.SELECT, tokens.FEEDBACK):
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(mode)} is no mode of rendering")
@@ -123,7 +123,7 @@ def render_mode(gl, mode):
 
 @entry("SelectBuffer", compiled=False)
 def select_buffer(gl, size, buffer=None):
-    """Where hit records go. A list or an array of whole numbers that is given is filled."""
+    """Set the array for hit records. If it is a list or an array of integers, it is filled."""
     if gl.values["render_mode"] == tokens.SELECT:
         raise GLError(tokens.INVALID_OPERATION, "the buffer is in use")
     if size < 0:
@@ -133,7 +133,7 @@ def select_buffer(gl, size, buffer=None):
 
 @entry("FeedbackBuffer", compiled=False)
 def feedback_buffer(gl, size, type_, buffer=None):
-    """Where feedback goes, and of which type it is. A list or an array that is given is filled."""
+    """Set the array for feedback, and its type. If it is a list or an array, it is filled."""
     if gl.values["render_mode"] == tokens.FEEDBACK:
         raise GLError(tokens.INVALID_OPERATION, "the buffer is in use")
     if type_ not in _TYPES:
@@ -147,7 +147,7 @@ def feedback_buffer(gl, size, type_, buffer=None):
 
 
 def _names(gl):
-    """The name stack, after the record of what it named; None outside selection."""
+    """The name stack, after a hit record for its names was written; None outside selection."""
     if gl.values["render_mode"] != tokens.SELECT:
         return None
     gl.selection.record()
@@ -206,7 +206,7 @@ def pass_through(gl, token):
 
 
 def select(gl, mesh: Mesh) -> None:
-    """What a draw of ``mesh`` does in selection or feedback."""
+    """Do what a draw of ``mesh`` does in selection or feedback."""
     from fixedpipe.pipeline.opengl.selected_primitives import take_mesh
 
     take_mesh(gl, mesh)
@@ -222,7 +222,7 @@ def select_raster_position(gl, position: RasterPosition, state: PassState) -> No
 
 
 def feed_back_rectangle(gl, token: int, position: RasterPosition, state: PassState) -> None:
-    """Write a bitmap's or a pixel rectangle's token and its raster position, if that is valid.
+    """Write the token of a bitmap or pixel rectangle, and its raster position, if the position is valid.
 
     ``token``: BITMAP_TOKEN, DRAW_PIXEL_TOKEN or COPY_PIXEL_TOKEN. Nothing happens outside feedback.
     """

@@ -1,7 +1,7 @@
 """The state variables of Get (OpenGL 1.2.1 tables 6.5 to 6.28, and extensions): token to value.
 
-``STATE`` depends on the calls alone. ``LIMITS`` depends on the machine and its driver, so that another
-driver's answers differ.
+``STATE`` depends only on the calls. ``LIMITS`` depends on the machine and its driver, so another driver may
+give other answers.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from fixedpipe.pipeline.opengl.vertex_programs import CURRENT_PROGRAM
 
 Variable = Callable[[Any], Any]
 
-# Tokens of later versions, for which recorded programs ask.
+# Tokens of later versions that recorded programs query.
 _NUM_EXTENSIONS, _PROGRAM_PIPELINE, _QUADS_FOLLOW = 0x821D, 0x825A, 0x8E4C
 _PROVOKING_VERTEX, _FIRST_VERTEX, _LAST_VERTEX = 0x8E4F, 0x8E4D, 0x8E4E
 _CURRENT_RASTER_SECONDARY_COLOR = 0x845F
@@ -34,7 +34,7 @@ _BLEND_SRC_ALPHA, _BLEND_DST_ALPHA = tokens.BLEND_SRC_ALPHA, tokens.BLEND_DST_AL
 
 
 def _value(key, place=None):
-    """A value, or one of its parts."""
+    """A function that returns a value, or one of its parts."""
     if place is None:
         return lambda gl: gl.values[key]
     return lambda gl: gl.values[key][place]
@@ -70,7 +70,7 @@ STATE: dict[int, Variable] = {
     tokens.CURRENT_TEXTURE_COORDS: lambda gl: gl.current.texture_coordinates[_unit(gl)],
     tokens.CURRENT_FOG_COORDINATE: lambda gl: gl.current.fog_coordinate,
     tokens.CURRENT_VERTEX_WEIGHT_EXT: lambda gl: gl.current.weight,
-    tokens.CURRENT_INDEX: lambda gl: 1,  # Assumed: nobody sets it; there are no colour-index windows here
+    tokens.CURRENT_INDEX: lambda gl: 1,  # Assumed: no program sets it; no window here has colour indices
     tokens.EDGE_FLAG: lambda gl: gl.current.edge_flag,
     **RASTER_STATE,
     # table 6.7
@@ -201,7 +201,7 @@ for _token, _target in (
     (tokens.TEXTURE_BINDING_RECTANGLE_NV, tokens.TEXTURE_RECTANGLE_NV),
 ):
     STATE[_token] = lambda gl, target=_target: gl.values["bound", target, _unit(gl)]
-# Table 6.6: of each kind of array, how it lies; the kind that a token's stem names.
+# Table 6.6: the kind of array that the stem of a token names.
 _ARRAYS = {
     "VERTEX_ARRAY": "positions",
     "NORMAL_ARRAY": "normals",
@@ -216,7 +216,7 @@ _ARRAYS = {
 
 
 def array_pointer(gl: Any, kind: str) -> ArrayPointer:
-    """Where a kind of array lies; of texture coordinates that of the client's active unit."""
+    """The pointer of a kind of array. For texture coordinates, the one of the client's active unit."""
     return gl.arrays.pointers[(kind, gl.arrays.unit) if kind == "texture_coordinates" else kind]
 
 
@@ -228,11 +228,11 @@ def _buffer_of(gl, kind):
 
 
 def _token_named(name):
-    """A token, by its name with or without EXT; None where there is none."""
+    """The token of a name, with or without EXT; None if there is none."""
     return getattr(tokens, name, getattr(tokens, name + "_EXT", None))
 
 
-# The tokens of arrays' addresses, which GetPointerv takes.
+# The tokens of arrays' addresses, which GetPointerv accepts.
 ARRAY_POINTERS: dict[int | None, str] = {}
 for _stem, _kind in _ARRAYS.items():
     for _field in ("size", "type", "stride"):
@@ -242,7 +242,7 @@ for _stem, _kind in _ARRAYS.items():
     if (_token := _token_named(f"{_stem}_BUFFER_BINDING")) is not None:
         STATE[_token] = lambda gl, kind=_kind: _buffer_of(gl, kind)
 
-# What pixel transfer declares: its numbers, and its maps by their tokens.
+# The values of pixel transfer: its numbers, and its maps by their tokens.
 PIXEL_MAPS: dict[int, str] = {}
 for _key in VALUES:
     if isinstance(_key, tuple) and _key[0] == "pixel transfer":
@@ -256,7 +256,7 @@ for _token in HINTS:
 for _token, (_side, _field) in STORE_PARAMETERS.items():
     STATE[_token] = lambda gl, side=_side, field=_field: getattr(gl.values[side], field)
 
-# Colours, depths and normals, which a query for integers takes as fractions of the largest (section 6.1.2).
+# Colours, depths and normals. A query for integers returns them as fractions of the largest (section 6.1.2).
 FRACTIONS = frozenset(
     {
         tokens.CURRENT_COLOR,
@@ -314,7 +314,7 @@ LIMITS: dict[int, Variable] = {
     tokens.DEPTH_BITS: lambda gl: int(gl.profile.widest_depth),
     tokens.SAMPLES: lambda gl: 0,  # a window of one sample
     tokens.SAMPLE_BUFFERS: lambda gl: 0,
-    tokens.POINT_SIZE_MAX: _value("point_size_max"),  # initially the largest point's size
+    tokens.POINT_SIZE_MAX: _value("point_size_max"),  # initially the size of the largest point
     tokens.POINT_SIZE_RANGE: lambda gl: (1.0, gl.profile.primitives.max_point_size),
     tokens.ALIASED_POINT_SIZE_RANGE: lambda gl: (1.0, gl.profile.primitives.max_point_size),
     tokens.LINE_WIDTH_RANGE: lambda gl: (1.0, gl.profile.primitives.max_line_width),
@@ -333,7 +333,7 @@ LIMITS: dict[int, Variable] = {
     tokens.MAX_CLIENT_ATTRIB_STACK_DEPTH: _constant(STACK_DEPTH),
     tokens.NUM_COMPRESSED_TEXTURE_FORMATS: lambda gl: len(_compressed_formats(gl)),
     tokens.COMPRESSED_TEXTURE_FORMATS: lambda gl: _compressed_formats(gl),
-    # Assumed: 1/8 pixel, the chip's; what no profile says otherwise.
+    # Assumed: 1/8 pixel, as on the chip. No profile has these values.
     tokens.POINT_SIZE_GRANULARITY: _constant(0.125),
     tokens.LINE_WIDTH_GRANULARITY: _constant(0.125),
     tokens.MAX_ELEMENTS_VERTICES: _constant(4096),

@@ -1,7 +1,7 @@
 """Images in client memory as texels of the machine's formats (OpenGL 1.2.1 section 3.8.1).
 
-Texels are those of ``fixedpipe.pipeline.textures.images.Texture``: [layers, height, width, 4], bytes, or
-words of formats with components of twelve bits. A paletted image's are indices, [layers, height, width].
+Texels have the form of ``fixedpipe.pipeline.textures.images.Texture``: [layers, height, width, 4], bytes, or
+words for formats with components of twelve bits. A paletted image has indices, [layers, height, width].
 """
 
 from typing import Any, NamedTuple
@@ -37,19 +37,19 @@ _BUMPS = {
 
 
 class Texels(NamedTuple):
-    """Texels, and the real numbers that they are made from; None where these are the texels' own values."""
+    """Texels, and the real numbers that they are made from; None if these equal the texels' values."""
 
     texels: NDArray[Any]
     real: NDArray[np.float64] | None = None
 
 
 def one_of(internal_format: InternalFormat) -> int:
-    """The value of one in a format's texels."""
+    """The integer that means 1.0 in a format's texels."""
     return 4095 if internal_format in TWELVE_BIT_FORMATS else 255
 
 
 def zero_texels(chosen: Chosen, layers: int, height: int, width: int) -> Texels:
-    """Texels of an image whose contents OpenGL leaves undefined: a group of zeros at each."""
+    """Texels of an image whose contents are undefined in OpenGL: each is made from a group of zeros."""
     shape = layers, height, width
     if chosen.format is _F.COLOR_INDEX8:
         return Texels(np.broadcast_to(np.zeros((), np.uint16), shape))
@@ -62,7 +62,7 @@ def zero_texels(chosen: Chosen, layers: int, height: int, width: int) -> Texels:
 
 
 def check_image_format(chosen: Chosen, image_format: int) -> None:
-    """Refuse an image whose groups an internal format cannot hold. Raises GLError.
+    """Raise GLError if an internal format cannot hold the groups of an image.
 
     Source: ARB_depth_texture, EXT_paletted_texture, NV_texture_shader (INVALID_OPERATION each); OpenGL 1.2.1
     section 3.8.1 (STENCIL_INDEX is INVALID_ENUM).
@@ -85,9 +85,9 @@ def check_image_format(chosen: Chosen, image_format: int) -> None:
 def texels_of(
     profile: Any, image: ClientImage, transfer: PixelTransfer, chosen: Chosen, dimensions: int
 ) -> Texels:
-    """The texels of an image after pixel transfer, which must count nothing.
+    """The texels of an image after pixel transfer, which must not count anything.
 
-    ``dimensions``: of the convolution filter that applies.
+    ``dimensions``: the dimensions of the convolution filter that applies.
     """
     if chosen.format in DEPTH_TEXELS:
         return _depth_texels(image, transfer, chosen.format)
@@ -102,7 +102,7 @@ def texels_of(
     eight = set(COMPONENT_BITS.get(chosen.format, ())) == {8}
     if plain and eight and image.format not in INDEX_FORMATS:
         return Texels(store_texels(_rgba_bytes(image), chosen.format))
-    # Imported where it is used: it compiles kernels, which most programs do not need.
+    # The import is here because it compiles kernels, which most programs do not need.
     from fixedpipe.pipeline.framebuffers.transfer import image_texels
 
     pixels = image.pixel_image(layers=True)
@@ -118,7 +118,7 @@ def _rgba_bytes(image):
 
 
 def _expanded(values, elements, one):
-    """Groups of ``elements`` as RGBA; missing colours are 0, a missing alpha is ``one``."""
+    """Groups of ``elements`` as RGBA. Missing colours are 0, and a missing alpha is ``one``."""
     if elements == ("R", "G", "B", "A"):
         return values
     out = np.zeros((*values.shape[:-1], 4), values.dtype)
@@ -152,7 +152,8 @@ def _depth_texels(image, transfer, internal_format):
 
 
 def _signed(values, bits):
-    """Numbers in two's complement of ``bits`` bits, int64: a type of this width as it is, others to nearest.
+    """Numbers in two's complement of ``bits`` bits, int64. A type of this width is copied, others are rounded
+    to nearest.
 
     Inferred: from NV_texture_shader, whose formats hold signed numbers of the client's types.
     """
@@ -178,7 +179,7 @@ def _unsigned(values, bits):
 
 
 def _bump_texels(values, internal_format):
-    """HILO or DSDT groups as texels; ``Texture`` and NV_texture_shader say where their bytes are."""
+    """HILO or DSDT groups as texels. ``Texture`` and NV_texture_shader specify the places of their bytes."""
     out = np.full((*values.shape[:-1], 4), 255, np.uint8)
     if internal_format in (_F.HILO16, _F.SIGNED_HILO16):
         words = _signed(values, 16) if internal_format is _F.SIGNED_HILO16 else _unsigned(values, 16)
@@ -206,7 +207,7 @@ def _signed_texels(image, base):
 
 
 def texels_of_groups(groups: NDArray[np.float64], internal_format: InternalFormat) -> Texels:
-    """Texels of RGBA groups [..., 4], floats that a machine or the ideal has read from a texture."""
+    """Texels from RGBA groups [..., 4], floats that a machine or the ideal has read from a texture."""
     from fixedpipe.pipeline.textures.images import BASE_FORMAT, own_widths, texels_at
 
     base = BASE_FORMAT[internal_format]

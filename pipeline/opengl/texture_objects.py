@@ -1,11 +1,11 @@
 """Texture objects: images, parameters, completeness, and the machine's copy (OpenGL 1.2.1 section 3.8).
 
-The images of an object arrive one by one. The Texture that a machine stores is made when a draw needs it, of
-the levels around the base level that fit together. A machine gets each version once.
+A program defines the images of an object one by one. When a draw needs the object, the Texture for a machine
+is made from the levels around the base level that fit together. A machine gets each version once.
 
-Images copied from the framebuffer are known to the machine alone (``Image.texels`` None), which changes them
-by copies. Where a client's image comes beside them, they are read back (GetTexImage), and a HostStep stores
-all anew.
+Only the machine knows images copied from the framebuffer (``Image.texels`` None), and copies change them
+there. If a client's image is added to them, they are read back (GetTexImage), and a HostStep stores all
+images again.
 """
 
 from collections.abc import Hashable
@@ -67,12 +67,12 @@ class Parameters(NamedTuple):
 
     @property
     def mipmapped(self) -> bool:
-        """Whether minification reads levels beside the base level."""
+        """Whether minification reads other levels than the base level."""
         return self.min_filter in _MIPMAPPED
 
 
 def initial_parameters(target: int) -> Parameters:
-    """Those of a new object. Source: NV_texture_rectangle for rectangles."""
+    """The parameters of a new object. Source: NV_texture_rectangle for rectangles."""
     if target != tokens.TEXTURE_RECTANGLE_NV:
         return Parameters()
     edge = tokens.CLAMP_TO_EDGE
@@ -81,7 +81,7 @@ def initial_parameters(target: int) -> Parameters:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Patch:
-    """A box of texels that was replaced in an image that the machine alone knows."""
+    """A box of texels that replaces a part of an image."""
 
     z: int
     y: int
@@ -94,9 +94,9 @@ class Image:
     """One image: a level of a face.
 
     - ``size``: width, height and depth, with the border.
-    - ``border``: texels of border on either side of each axis that the target has.
-    - ``internal_format``: as it was asked for; ``chosen``: as the machine holds it.
-    - ``texels``: None where the machine alone knows them, and ``patches`` came after.
+    - ``border``: texels of border on each side, for each axis of the target.
+    - ``internal_format``: the requested format; ``chosen``: how the machine stores it.
+    - ``texels``: None if only the machine knows them; ``patches``: boxes that were replaced later.
     """
 
     size: tuple[int, int, int]
@@ -107,7 +107,7 @@ class Image:
     patches: tuple[Patch, ...] = ()
 
     def like(self, other: "Image") -> bool:
-        """Whether two images can be levels or faces of one texture, but for their sizes."""
+        """Whether two images can be levels or faces of one texture, apart from their sizes."""
         return (self.internal_format, self.border, self.chosen) == (
             other.internal_format,
             other.border,
@@ -160,7 +160,7 @@ def real_of(texels: Texels, internal_format: InternalFormat) -> NDArray[np.float
 
 
 class Palette(NamedTuple):
-    """A palette (EXT_paletted_texture): its colours as register bytes [n, 4], and their base format."""
+    """A palette (EXT_paletted_texture): its colours as RGBA groups [n, 4], and their base format."""
 
     internal_format: int
     base: BaseFormat
@@ -168,17 +168,17 @@ class Palette(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """The levels of an object that fit together: the number of the first, and the faces of each."""
+    """The levels of an object that fit together: the number of the first level, and each level's faces."""
 
     first: int
     levels: tuple[tuple[Image, ...], ...]
 
 
 class Usable(NamedTuple):
-    """What a texture unit must know of a complete object.
+    """The data of a complete object that a texture unit needs.
 
-    - ``name``: in commands.
-    - ``first``: the level that is level 0 of the machine's texture; ``levels``: how many it has.
+    - ``name``: the object's name in commands.
+    - ``first``: the level that is level 0 of the machine's texture; ``levels``: how many levels that has.
     """
 
     name: str
@@ -198,16 +198,16 @@ def _smaller(size, border, flat):
 class TextureObject:
     """A texture object.
 
-    - ``key``: its number, or (0, target) of a default object. ``name``: in commands.
-    - ``images``: {(face, level): Image}. ``asked``: the width, height and internal format that a call asked
-      for, which the machine may not have.
-    - ``version``: a number that no other contents of any texture have.
-    - ``readers``: the values of the contexts whose units have read it.
-    - ``own_palette``; ``shared_palette``: the one that takes its place (EXT_shared_texture_palette).
+    - ``key``: its number, or (0, target) for a default object. ``name``: its name in commands.
+    - ``images``: {(face, level): Image}. ``asked``: the width, height and internal format that a call
+      requested; the machine may not have such an image.
+    - ``version``: a number for these contents; no other contents of any texture have it.
+    - ``readers``: the Values of the contexts whose units have read it.
+    - ``own_palette``; ``shared_palette``: a palette that replaces it (EXT_shared_texture_palette).
     - ``changed_by``: the call that made this version, for labels.
-    - ``stale``: the level from which those above it are still to be made (SGIS_generate_mipmap), or None.
-    - ``home``: the ``stored`` of the drawable whose machine knows images that are known nowhere else.
-      ``home_first``: the level that is level 0 there; ``home_levels``: how many it has.
+    - ``stale``: the level from which smaller levels must still be made (SGIS_generate_mipmap), or None.
+    - ``home``: ``stored`` of the drawable whose machine alone knows some images.
+      ``home_first``: the level that is level 0 there; ``home_levels``: how many levels there are.
     """
 
     def __init__(self, key: Hashable, target: int):
@@ -230,7 +230,7 @@ class TextureObject:
 
     @property
     def palette(self) -> Palette | None:
-        """The palette that its indices mean."""
+        """The palette of its indices."""
         return self.own_palette if self.shared_palette is None else self.shared_palette
 
     @property
@@ -244,13 +244,13 @@ class TextureObject:
         return {tokens.TEXTURE_1D: 1, tokens.TEXTURE_3D: 3}.get(self.target, 2)
 
     def changed(self, call: str) -> None:
-        """Say that ``call`` changed images or a palette."""
+        """Note that ``call`` changed images or a palette."""
         self.version = next(_versions)
         self.changed_by = call
         self._layout = self._usable = self._texture = None
 
     def set_parameters(self, parameters: Parameters, call: str) -> None:
-        """Replace the parameters. Another base level may be another texture for the machine."""
+        """Replace the parameters. A new base level may mean a new texture for the machine."""
         before, self.parameters = self.parameters, parameters
         self._usable = None
         if before.base_level != parameters.base_level:
@@ -259,9 +259,9 @@ class TextureObject:
                 self.changed(call)
 
     def make_room(self, position: tuple[int, int], image: Image) -> bool:
-        """Have an image as large as this one in a place; whether the machine's texture has it already.
+        """Make an image of this size exist at a place. Returns whether the machine's texture has it already.
 
-        A cube map's missing faces are there as zeros.
+        In the machine's texture, missing faces of a cube map are zeros.
         """
         (face, level), layout = position, self.layout()
         k = -1 if layout is None else level - layout.first
@@ -278,7 +278,9 @@ class TextureObject:
     # ------------------------------------------------------------------------------------ completeness
 
     def level(self, level: int, *, filled: bool = False) -> tuple[Image, ...] | None:
-        """The faces of a level; None where they are missing or differ, unless missing ones are ``filled``."""
+        """The faces of a level; None if they are missing or differ. ``filled``: whether missing ones are
+        zeros.
+        """
         found = [self.images.get((face, level)) for face in range(self.faces)]
         some = next((image for image in found if image is not None), None)
         if some is None or (None in found and not filled):
@@ -305,7 +307,7 @@ class TextureObject:
         return tuple(levels) if first + len(levels) > base else None
 
     def layout(self) -> Layout | None:
-        """The levels that a machine can hold; None without a base level. Missing faces are zeros."""
+        """The levels that a machine can store; None without a base level. Missing faces are zeros."""
         if self._layout is None:
             self._layout = (self._find_layout(),)
         return self._layout[0]
@@ -314,7 +316,7 @@ class TextureObject:
         base = self.parameters.base_level
         if self.level(base, filled=True) is None:
             return None
-        # The lowest level that fits is the machine's level 0, so that a lower base level is no new texture.
+        # The lowest level that fits is the machine's level 0. So a lower base level needs no new texture.
         firsts = sorted({level for _, level in self.images if level <= base})
         for first in firsts:
             levels = self._chain(first, base, True)
@@ -323,7 +325,7 @@ class TextureObject:
         return None
 
     def is_complete(self) -> bool:
-        """Section 3.8.5 (and EXT_texture_cube_map): whether texturing with the object is enabled."""
+        """Whether the object is complete, so that units can read it (section 3.8.5; EXT_texture_cube_map)."""
         parameters, base = self.parameters, self.parameters.base_level
         faces = self.level(base)
         if faces is None or base > parameters.max_level:
@@ -341,7 +343,7 @@ class TextureObject:
         return levels is not None and base + len(levels) > last
 
     def usable(self) -> Usable | None:
-        """What a unit must know of the object; None where it is incomplete."""
+        """The data of the object that a unit needs; None if the object is incomplete."""
         self.settle()
         if self._usable is None:
             found = None
@@ -355,7 +357,7 @@ class TextureObject:
     # ------------------------------------------------------------------------------- automatic mipmaps
 
     def settle(self) -> None:
-        """Apply patches, and make the levels above the base level from it where that is due."""
+        """Apply patches, and make the levels above the base level if they must be made again."""
         for position, image in self.images.items():
             if image.patches:
                 self.images[position] = image.merged()
@@ -371,7 +373,7 @@ class TextureObject:
 
     @property
     def is_volume(self) -> bool:
-        """Whether it has layers."""
+        """Whether it is a 3D texture, which has layers."""
         return self.target == tokens.TEXTURE_3D
 
     # ----------------------------------------------------------------------------------- the machine's
@@ -383,7 +385,7 @@ class TextureObject:
         return image.chosen.format
 
     def texture(self, layout: Layout) -> Texture:
-        """The Texture of a layout; zeros where the machine alone knows the texels."""
+        """The Texture of a layout. Images that only the machine knows are zeros."""
         if self._texture is None or self._texture[0] is not layout:
             self._texture = layout, self._make_texture(layout)
         return self._texture[1]
@@ -399,7 +401,7 @@ class TextureObject:
         return Texture(TARGETS[self.target], stored, texels, ideal, bits, layout.levels[0][0].border)
 
     def _known(self, image):
-        """The texels of an image; a palette's colours, and zeros where they are not known."""
+        """The texels of an image: for indices the palette's colours, and zeros for unknown texels."""
         if image.texels is None:
             width, height, depth = image.size
             return zero_texels(image.chosen, depth, height, width)
@@ -409,7 +411,7 @@ class TextureObject:
         return Texels(colors[image.texels.texels & (len(colors) - 1)])
 
     def store(self, gl: Any) -> None:
-        """Add the commands that give the drawable's machine the present version, unless it has it."""
+        """Add commands that store the present version in the drawable's machine, unless it has it already."""
         if gl.drawable.stored.get(self.key) == self.version:
             return
         self.settle()
@@ -425,7 +427,7 @@ class TextureObject:
         gl.drawable.stored[self.key] = self.version
 
     def keep_copies(self, gl: Any) -> None:
-        """Say that the drawable's machine holds the present layout, with images that it alone knows."""
+        """Note that the drawable's machine has the present layout, with images that only it knows."""
         layout = self.layout()
         if layout is not None:
             self.home, self.home_first, self.home_levels = (
@@ -436,7 +438,7 @@ class TextureObject:
         gl.drawable.stored[self.key] = self.version
 
     def _store_with_copies(self, gl, layout, label):
-        """Read back the images that the machine alone knows, and store all levels anew."""
+        """Read back the images that only the machine knows, and store all levels again."""
         if self.home is not gl.drawable.stored:
             raise Refused(f"{self.name} was copied from another window's framebuffer")
         reads = {}
@@ -486,7 +488,7 @@ def texture_name(key: Any) -> str:
 def smaller_sizes(image: Image, volume: bool) -> list[tuple[int, int, int]]:
     """The sizes of the levels above an image that are made automatically.
 
-    None where it has a border, edges that cannot be halved, or texels that cannot be averaged.
+    The list is empty if the image has a border, an edge that is no power of two, or texels that have no mean.
     """
     formats = InternalFormat.COLOR_INDEX8, InternalFormat.SIGNED_RGBA8
     width, height, depth = image.size
@@ -502,7 +504,7 @@ def smaller_sizes(image: Image, volume: bool) -> list[tuple[int, int, int]]:
 
 
 def pyramid_above(image: Image, volume: bool) -> list[Image]:
-    """The levels above an image, each by boxes of 2x2 texels of the one below (``halve``)."""
+    """The levels above an image. Each is made from boxes of 2x2 texels of the one below (``halve``)."""
     made = image.merged()
     if made.texels is None:
         return []
@@ -517,14 +519,14 @@ def pyramid_above(image: Image, volume: bool) -> list[Image]:
 
 
 def zeros_like(image: Image, size: tuple[int, int, int] | None = None) -> Image:
-    """An image of zeros as wide as another, or of ``size``, that goes with it."""
+    """An image of zeros that fits another image. It has the same size, or ``size``."""
     size = image.size if size is None else size
     width, height, depth = size
     return replace(image, size=size, texels=zero_texels(image.chosen, depth, height, width), patches=())
 
 
 def _reading(label, name, texture, level, face, image):
-    """The GetTexImage of an image, whole numbers of enough bits."""
+    """The GetTexImage that reads an image as integers of enough bits."""
     deep, wide = image.chosen.format in DEPTH_TEXELS, image.chosen.format in TWELVE_BIT_FORMATS
     return GetTexImage(
         label=label,
@@ -538,7 +540,7 @@ def _reading(label, name, texture, level, face, image):
 
 
 def _with_copies(texture, layout, arrays):
-    """A Texture with the images that were read, {(level, face): array}, and what was patched since."""
+    """A Texture with the images that were read, {(level, face): array}, and with later patches."""
     stored = texture.internal_format
     levels = [level.copy() for level in texture.levels]
     reals = [
@@ -557,7 +559,7 @@ def _with_copies(texture, layout, arrays):
 
 
 def _texels_read(array, stored):
-    """The Texels [layers, h, w, 4] of an array that GetTexImage gave, of whole numbers or of floats."""
+    """The Texels [layers, h, w, 4] of an array from GetTexImage, which has integers or floats."""
     if stored in DEPTH_TEXELS:
         most = float(DEPTH_TEXELS[stored].largest)
         depths = array if array.dtype.kind == "f" else array / most
@@ -571,7 +573,7 @@ def _texels_read(array, stored):
 
 
 def _with_mipmaps(texture, base, volume):
-    """A Texture whose levels above level ``base`` are made from it."""
+    """A Texture whose levels above level ``base`` are made from that level."""
     levels, ideal = list(texture.levels[: base + 1]), list(texture.ideal[: base + 1])
     while len(levels) < len(texture.levels):
         levels.append(halve(levels[-1], volume))

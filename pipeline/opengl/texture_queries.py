@@ -34,7 +34,7 @@ from fixedpipe.pipeline.textures.images import (
 
 
 def texture_parameter(gl: Any, target: int, name: int) -> Any:
-    """What GetTexParameter gives: a number, a token, or several."""
+    """The result of GetTexParameter: a number, a token, or several."""
     held = bound_object(gl, target_of(target)).parameters
     plain = {
         tokens.TEXTURE_MIN_FILTER: held.min_filter,
@@ -67,7 +67,7 @@ def texture_parameter(gl: Any, target: int, name: int) -> Any:
 
 
 def environment_parameter(gl: Any, target: int, name: int) -> Any:
-    """What GetTexEnv gives of the active unit, but for texture shaders: a number, a token, or several."""
+    """The result of GetTexEnv for the active unit, without texture shaders: a number, a token, or several."""
     unit = gl.values["active_texture"]
     held: Environment = gl.values["environment", unit]
     if target == tokens.TEXTURE_FILTER_CONTROL and name == tokens.TEXTURE_LOD_BIAS:
@@ -90,7 +90,7 @@ def environment_parameter(gl: Any, target: int, name: int) -> Any:
 
 
 def generation_parameter(gl: Any, coordinate: int, name: int) -> Any:
-    """What GetTexGen gives of the active unit: a token or four numbers."""
+    """The result of GetTexGen for the active unit: a token or four numbers."""
     if coordinate not in COORDINATES:
         raise GLError(tokens.INVALID_ENUM, tokens.name_of(coordinate))
     held = gl.values["texture generation", gl.values["active_texture"]][COORDINATES.index(coordinate)]
@@ -108,7 +108,7 @@ no_effect("GetTexImage", "GetCompressedTexImage", compiled=False)
 
 
 def level_parameter(gl: Any, target: int, level: int, name: int) -> Any:
-    """What GetTexLevelParameter gives: a number or a token."""
+    """The result of GetTexLevelParameter: a number or a token."""
     bound, face = PROXIES.get(target, target), 0
     if target in FACES:
         bound, face = tokens.TEXTURE_CUBE_MAP, target - tokens.TEXTURE_CUBE_MAP_POSITIVE_X
@@ -224,7 +224,7 @@ def _table_parameter(gl, target, name, *_recorded):
 
 
 def _held(gl, kind, target):
-    """A value of a target. Raises GLError for a target that has none."""
+    """The value of a target. Raises GLError for a target without such a value."""
     if (kind, target) not in gl.values:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} has no {kind}")
     return gl.values[kind, target]
@@ -257,7 +257,7 @@ register_queries("GetConvolutionParameter", _FLOATS_AND_INTEGERS, _convolution_p
 
 
 def _counter_parameter(gl, target, name, *_recorded):
-    """Of a histogram or minmax: width and sink, and the base format that it was made with."""
+    """A parameter of a histogram or minmax: width, sink, or the base format that it was made with."""
     key = {tokens.HISTOGRAM: "histogram", tokens.PROXY_HISTOGRAM: "proxy_histogram", tokens.MINMAX: "minmax"}
     held = gl.values[member(key, target)]
     if name in (tokens.HISTOGRAM_FORMAT, tokens.MINMAX_FORMAT):

@@ -1,11 +1,11 @@
-"""Texture objects and units as calls see them: binding, parameters, environments, generation.
+"""The calls for texture objects and units: binding, parameters, environments, coordinate generation.
 
 Source: OpenGL 1.2.1 sections 2.10.4, 3.8.3 to 3.8.10; EXT_texture_object; ARB_multitexture;
 ARB_texture_env_combine; NV_texture_env_combine4; EXT_texture_lod_bias; NV_point_sprite; NV_texture_shader;
 ARB_shadow; SGIX_shadow.
 
-What the machine's driver did not know (a wrap mode, an environment) is an error of OpenGL's, which leaves the
-state as it was. A draw that reads more units than the machine has is refused.
+A value that the machine's driver did not accept (a wrap mode, an environment) is an error in OpenGL, and does
+not change the state. A draw that reads more units than the machine has is refused.
 """
 
 import math
@@ -63,13 +63,13 @@ for _target in TARGETS:
     for _unit in _UNITS:
         declare(("bound", _target, _unit), 0, _TEXTURE)
 _DEFAULTS = {texture_name((0, target)): (0, target) for target in TARGETS}
-# The most names that GenTextures gives at once. Assumed: no program asks for more.
+# The most names that GenTextures returns at once. Assumed: no program requests more.
 _MOST_NAMES = 1 << 20
 
 
 @entry("ActiveTexture")
 def active_texture(gl, texture):
-    """The unit that calls for textures and their matrices change (ARB_multitexture)."""
+    """Choose the unit that calls for textures and their matrices change (ARB_multitexture)."""
     gl.values.set("active_texture", texture_unit_number(texture))
 
 
@@ -77,16 +77,17 @@ def active_texture(gl, texture):
 
 
 def target_of(target: int) -> int:
-    """The target that a call binds, or changes the parameters of. Raises GLError."""
+    """The target of a call that binds a texture or changes its parameters. Raises GLError."""
     if target not in TARGETS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no target of textures here")
     return target
 
 
 def bound_object(gl: Any, target: int, unit: int | None = None) -> TextureObject:
-    """The object bound to a target of a unit; None: of the active one.
+    """The object bound to a target of ``unit``; None: of the active unit.
 
-    Contexts that share objects share the default ones too. Source: Mesa, which has them in the shared state.
+    Contexts that share objects also share the default objects. Source: Mesa, which has them in its shared
+    state.
     """
     number = gl.values["bound", target, gl.values["active_texture"] if unit is None else unit]
     key = number or (0, target)
@@ -97,7 +98,7 @@ def bound_object(gl: Any, target: int, unit: int | None = None) -> TextureObject
 
 
 def mark(gl: Any, texture: TextureObject) -> None:
-    """Have the units that read an object made again, in every context: it has changed."""
+    """Note that an object has changed: in every context the units that read it are made again."""
     number = texture.key if isinstance(texture.key, int) else 0
     texture.readers.add(gl.values)
     for values in tuple(texture.readers):
@@ -107,7 +108,7 @@ def mark(gl: Any, texture: TextureObject) -> None:
 
 @entry("GenTextures", compiled=False)
 def gen_textures(gl, number, names=None):
-    """Give unused names, or take those of the recorded program."""
+    """Return unused names, or use the names of the recorded program."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE)
     if number > _MOST_NAMES:
@@ -123,7 +124,7 @@ def gen_textures(gl, number, names=None):
 
 @entry("BindTexture")
 def bind_texture(gl, target, name):
-    """Bind an object, which comes into being here (section 3.8.8)."""
+    """Bind an object. The first call with its name creates it (section 3.8.8)."""
     target_of(target)
     if name:
         found = gl.shared.textures.get(name)
@@ -138,7 +139,7 @@ def bind_texture(gl, target, name):
 
 @entry("DeleteTextures", compiled=False)
 def delete_textures(gl, number, names):
-    """Delete objects; what this context has bound of them becomes the default object."""
+    """Delete objects. If this context has one of them bound, the default object is bound instead."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE)
     for name in numbers_of(names)[:number]:
@@ -153,13 +154,13 @@ def delete_textures(gl, number, names):
 
 @entry("IsTexture", compiled=False)
 def is_texture(gl, name):
-    """Whether a name is that of an object that was bound once."""
+    """Whether a name belongs to an object that was bound at least once."""
     return bool(name) and gl.shared.textures.get(name) is not None
 
 
 @entry("AreTexturesResident", compiled=False)
 def are_textures_resident(gl, number, names, residences=None):
-    """Every texture is resident: a machine here has room for all."""
+    """True: every texture is resident, because a machine here has room for all."""
     if number < 0 or not all(is_texture(gl, int(name)) for name in numbers_of(names)[:number]):
         raise GLError(tokens.INVALID_VALUE)
     return True
@@ -167,7 +168,7 @@ def are_textures_resident(gl, number, names, residences=None):
 
 @entry("PrioritizeTextures")
 def prioritize_textures(gl, number, names, priorities):
-    """Priorities of objects; they have no effect on pictures."""
+    """Set priorities of objects. They have no effect on pictures."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE)
     pairs = zip(numbers_of(names)[:number], numbers_of(priorities)[:number], strict=False)
@@ -195,7 +196,7 @@ _DEPTH_MODES = {
 }
 _COMPARE_R = 0x884E
 _SGIX_OPERATORS = {tokens.TEXTURE_LEQUAL_R_SGIX: tokens.LEQUAL, tokens.TEXTURE_GEQUAL_R_SGIX: tokens.GEQUAL}
-# Parameters of one number that need no more than a conversion: field, conversion.
+# Parameters of one number that only need a conversion: (field, conversion).
 _PLAIN = {
     tokens.TEXTURE_MIN_LOD: ("min_lod", lambda given: given.number()),
     tokens.TEXTURE_MAX_LOD: ("max_lod", lambda given: given.number()),
@@ -260,7 +261,10 @@ def _parameter_changes(gl, target, name, given: Parameter, held: Parameters) -> 
 
 
 def _comparison_changes(gl, name, given, held):
-    """Parameters of depth textures (ARB_shadow, ARB_depth_texture, SGIX_shadow, SGIX_shadow_ambient)."""
+    """The fields that parameters of depth textures change. Raises GLError.
+
+    Source: ARB_shadow, ARB_depth_texture, SGIX_shadow, SGIX_shadow_ambient.
+    """
     textures, token = gl.profile.textures, int(given.number())
     comparing = TextureCompareMode.COMPARE_R_TO_TEXTURE in textures.texture_compare_modes
     if name == tokens.DEPTH_TEXTURE_MODE:
@@ -293,13 +297,13 @@ def _comparison_changes(gl, name, given, held):
 
 
 def bound_parameters(gl: Any) -> tuple[tuple[Any, Parameters], ...]:
-    """(key, Parameters) of every object that is bound, as PushAttrib(TEXTURE_BIT) keeps them."""
+    """(key, Parameters) of every bound object, as PushAttrib(TEXTURE_BIT) saves them."""
     objects = {bound_object(gl, target, unit).key: None for target in TARGETS for unit in _UNITS}
     return tuple([(key, gl.shared.textures[key].parameters) for key in objects])
 
 
 def restore_parameters(gl: Any, saved: tuple[tuple[Any, Parameters], ...]) -> None:
-    """Set parameters as ``bound_parameters`` gave them; an object that was deleted is left out."""
+    """Set the parameters that ``bound_parameters`` returned. Deleted objects are skipped."""
     for key, parameters in saved:
         found = gl.shared.textures.get(key)
         if found is not None and found.parameters != parameters:
@@ -312,7 +316,7 @@ def restore_parameters(gl: Any, saved: tuple[tuple[Any, Parameters], ...]) -> No
 _MODES = {token: mode for token, mode in words(TexGenMode).items() if mode is not TexGenMode.NONE}
 COORDINATES = (tokens.S, tokens.T, tokens.R, tokens.Q)
 GENERATIONS = (tokens.TEXTURE_GEN_S, tokens.TEXTURE_GEN_T, tokens.TEXTURE_GEN_R, tokens.TEXTURE_GEN_Q)
-# How many coordinates a mode makes. Source: section 2.10.4; NV_texgen_reflection.
+# How many coordinates each mode makes. Source: section 2.10.4; NV_texgen_reflection.
 _MADE = {TexGenMode.SPHERE_MAP: 2, TexGenMode.NORMAL_MAP: 3, TexGenMode.REFLECTION_MAP: 3}
 
 
@@ -397,9 +401,10 @@ _PRECEDENCE = tuple(TARGETS)
 
 
 def _read_target(gl, unit, enables, shaders, stage):
-    """(whether the unit takes part, the target that it reads or None).
+    """(whether the unit is used, the target that it reads or None).
 
-    With texture shaders a stage's operation says so, and the enables do not matter (NV_texture_shader).
+    With texture shaders the operation of a stage decides this, and the enables have no effect
+    (NV_texture_shader).
     """
     if shaders and gl.profile.texture_shaders.texture_shader_operations:
         operation = stage.operation
@@ -435,10 +440,10 @@ _PASSING = Environment(
 
 
 def _passes(found, environment):
-    """Whether a unit passes fragments' colours on as they are: DECAL of a texture without RGB.
+    """Whether a unit passes on fragments' colours unchanged: DECAL with a texture without RGB.
 
-    Source: NV_texture_shader (tables 3.18 and 3.19), which says so where OpenGL 1.2.1 (table 3.23) leaves it
-    undefined. Assumed: drivers without that extension did the same, as Mesa does.
+    Source: NV_texture_shader (tables 3.18 and 3.19), which defines this case; OpenGL 1.2.1 (table 3.23) does
+    not. Assumed: drivers without that extension did the same, as Mesa does.
     """
     if environment.mode != tokens.DECAL:
         return False
@@ -448,7 +453,7 @@ def _passes(found, environment):
 
 
 def _of_unit(unit):
-    """The section of one unit."""
+    """Register the section of one unit."""
 
     def usable(gl) -> Usable | None:
         values = gl.values
@@ -484,7 +489,7 @@ def _of_unit(unit):
             coordinates=unit,
             gen=tuple([generation(each, on) for each, on in zip(held, generates, strict=True)]),
             matrix=matrices[-1],
-            coord_replace=replaced,  # the driver says where: ``driver.place_sprite``
+            coord_replace=replaced,  # ``driver.place_sprite`` may move this to another unit
             environment=environment_of(environment),
             color_table=table.table if has_table else None,
         )
@@ -495,7 +500,7 @@ for _unit in _UNITS:
 
 
 def sampler_of(profile: Any, found: Usable) -> Sampler:
-    """The Sampler of an object, as far as its parameters apply to its format and target."""
+    """The Sampler of an object. It has those parameters that apply to the object's format and target."""
     given, deep = found.parameters, found.format in DEPTH_TEXELS
     compares = deep and given.compare_mode != tokens.NONE
     modes = profile.textures.depth_texture_modes
@@ -536,15 +541,15 @@ def _texture_units(gl, *units):
 
 @section("units beyond the machine's", *_UNIT_SECTIONS)
 def _units_beyond(gl, *units):
-    """The numbers of enabled units that the machine does not have, in a tuple of their own."""
+    """A tuple with one element: a tuple of the numbers of enabled units that the machine does not have."""
     most = gl.profile.textures.max_texture_units
     return (tuple([unit for unit, made in enumerate(units) if made is not None and unit >= most]),)
 
 
 def store_textures(gl: Any, state: PassState) -> None:
-    """Add the commands that give the drawable's machine the textures of ``state``, as they are now.
+    """Add the commands that store the present textures of ``state`` in the drawable's machine.
 
-    Raises Refused for a draw that reads units which the machine does not have.
+    Raises Refused if a unit is enabled that the machine does not have.
     """
     (beyond,) = gl.values.section("units beyond the machine's")
     if beyond:
@@ -556,6 +561,6 @@ def store_textures(gl: Any, state: PassState) -> None:
 
 
 def object_named(gl: Any, name: str) -> TextureObject:
-    """The texture object that a command names so."""
+    """The texture object of a name in commands."""
     key: Any = _DEFAULTS.get(name)
     return gl.shared.textures[int(name.removeprefix("texture ")) if key is None else key]

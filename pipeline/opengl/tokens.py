@@ -1,4 +1,4 @@
-"""OpenGL's tokens: the numbers of versions 1.0 to 1.5 and of the extensions that our machines have.
+"""OpenGL's tokens: the numbers of versions 1.0 to 1.5, and of the extensions that the machines here have.
 
 Source: the Khronos registry's tokens (facts: names and numbers).
 """
@@ -1977,7 +1977,7 @@ for _name, _value in list(globals().items()):
 
 
 def name_of(value: object) -> str:
-    """A token as a sentence writes it: its first name, with GL_; other numbers in base 16."""
+    """A token in the form for sentences: its first name, with GL_. Other numbers are written in base 16."""
     if not isinstance(value, int) or value in range(10):
         return repr(value)
     return "GL_" + _NAMES[value] if value in _NAMES else hex(value)

@@ -1,11 +1,11 @@
 """OpenGL's state as values, and the parts of a PassState that are made from them.
 
-A *value* is one piece of state under a key: a string, or a tuple for one of several ("light", 0). **Every
-value is immutable and hashable**: a number, a string, a tuple, a frozen dataclass. So PushAttrib keeps
-references, PopAttrib sets them again, and a part of a PassState that was built from equal values is found.
+A *value* is one piece of state under a key: a string, or a tuple if there are several, such as ("light", 0).
+**Every value is immutable and hashable**: a number, a string, a tuple, a frozen dataclass. So PushAttrib
+saves references, and PopAttrib sets them again. A part of a PassState is found again for equal values.
 
-A *section* is such a part. It names the values, or other sections, that it reads, and a function that makes
-it. When a value changes, the sections that read it are made again at the next draw.
+A *section* is such a part. It has the keys of the values, or names of other sections, that it reads, and a
+function that makes it. When a value changes, the sections that read it are made again at the next draw.
 """
 
 from collections.abc import Callable, Hashable
@@ -20,7 +20,7 @@ class Value(NamedTuple):
 
 
 class Section(NamedTuple):
-    """A declared section. ``also(gl)`` gives what else it depends on, such as a texture's parameters."""
+    """A declared section. ``also(gl)`` returns what else it depends on, such as a texture's parameters."""
 
     reads: tuple[Hashable, ...]
     build: Callable[..., Any]
@@ -32,14 +32,14 @@ SECTIONS: dict[str, Section] = {}
 
 
 def declare(key: Hashable, initial: Any, groups: int = 0) -> None:
-    """Declare a value with OpenGL's initial one and the attribute groups that it belongs to."""
+    """Declare a value, with OpenGL's initial value and the attribute groups to which it belongs."""
     if key in VALUES:
         raise ValueError(f"The value {key!r} is declared twice.")
     VALUES[key] = Value(initial, groups)
 
 
 def section(name: str, *reads: Hashable, also: Callable[[Any], Hashable] | None = None):
-    """Decorate ``build(gl, *inputs)``, which makes the section ``name`` from what it reads."""
+    """Decorate ``build(gl, *inputs)``, which makes the section ``name`` from the values of ``reads``."""
 
     def decorate(build):
         if name in SECTIONS:
@@ -50,7 +50,7 @@ def section(name: str, *reads: Hashable, also: Callable[[Any], Hashable] | None 
     return decorate
 
 
-# The most objects that are kept for a section; more than any frame's different states.
+# The most objects that are stored for a section. No frame has so many different states.
 _KEPT = 4096
 
 
@@ -66,7 +66,7 @@ class Values:
         self._readers = _readers()
         self._made: dict[str, Any] = {}
         self._kept: dict[str, dict[Hashable, Any]] = {name: {} for name in SECTIONS}
-        self.generation = 0  # grows when any section may have changed
+        self.generation = 0  # increases when a section may have changed
 
     def __getitem__(self, key: Hashable) -> Any:
         return self._of[key]
@@ -75,7 +75,7 @@ class Values:
         return key in self._of
 
     def set(self, key: Hashable, value: Any) -> None:
-        """Replace a value; the sections that read it are made again if it differs."""
+        """Replace a value. If it differs, the sections that read it are made again."""
         old = self._of[key]
         if old is value or (type(old) is type(value) and old == value):
             return
@@ -83,7 +83,7 @@ class Values:
         self.mark(*self._readers.get(key, ()))
 
     def mark(self, *names: str) -> None:
-        """Have these sections made again, whatever their values."""
+        """Let these sections be made again, even if their values have not changed."""
         for name in names:
             if self._made.pop(name, None) is not None:
                 self.generation += 1
@@ -108,7 +108,7 @@ class Values:
 
 
 def _readers() -> dict[Hashable, tuple[str, ...]]:
-    """Which sections read a key."""
+    """The names of the sections that read each key."""
     readers: dict[Hashable, list[str]] = {}
     for name, declared in SECTIONS.items():
         for key in declared.reads:

@@ -1,11 +1,11 @@
-"""Vertex array objects (ARB_vertex_array_object, APPLE_vertex_array_object): arrays' state by name.
+"""Vertex array objects (ARB_vertex_array_object, APPLE_vertex_array_object): the state of arrays by name.
 
-An object has the pointers, which arrays are enabled, and the buffer of indices. The context has the array
-buffer that the next pointer takes, the client's active unit and locks. Object 0 is the state without objects.
-Contexts do not share objects.
+An object has the pointers, the enables of arrays, and the buffer of indices. The context has the array buffer
+for the next pointer, the client's active unit and locks. Object 0 is the state without objects. Contexts do
+not share objects.
 
-No machine's driver of 1997 to 2001 listed ARB's extension. Programs of that time are recorded through
-libraries that use it. It is client state alone, so every machine draws what it draws.
+No driver of 1997 to 2001 listed ARB's extension. But programs of that time are recorded through libraries
+that use it. It is only client state, so every machine can draw with it.
 """
 
 from typing import Any
@@ -16,13 +16,13 @@ from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.parameters import numbers_of
 
-# A damaged trace may ask for any number of names.
+# The most names at once, because a damaged trace may request any number.
 _MOST_NAMES = 1 << 16
 _NO_INDICES = ((tokens.ELEMENT_ARRAY_BUFFER, 0, None),)
 
 
 def bind_object(gl: Any, name: int) -> None:
-    """Exchange the arrays' state for that of the object ``name``, which comes into being here."""
+    """Exchange the arrays' state for that of the object ``name``. The first call with a name creates it."""
     arrays = gl.arrays
     if name == arrays.bound:
         return
@@ -40,7 +40,7 @@ def bind_object(gl: Any, name: int) -> None:
 
 @entry("GenVertexArrays", compiled=False)
 def gen_vertex_arrays(gl, number, names=None):
-    """Give unused names, or take those of the recorded program."""
+    """Return unused names, or use the names of the recorded program."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE, f"{number} vertex array objects")
     if number > _MOST_NAMES:
@@ -61,7 +61,7 @@ def _bind(gl, name, of_client):
 
 @entry("BindVertexArray", compiled=False)
 def bind_vertex_array(gl, name):
-    """Bind an object by a name that GenVertexArrays gave; 0: none. Its arrays lie in buffers."""
+    """Bind an object by a name from GenVertexArrays; 0: none. Its arrays must be in buffers."""
     if name and name not in gl.arrays.names:
         raise GLError(tokens.INVALID_OPERATION, f"GenVertexArrays gave no name {name}")
     _bind(gl, name, False)
@@ -69,13 +69,13 @@ def bind_vertex_array(gl, name):
 
 @entry("BindVertexArrayAPPLE", compiled=False)
 def bind_vertex_array_of_client(gl, name):
-    """Apple's takes any name, and its arrays may lie in client memory."""
+    """Bind an object of Apple's extension. It may have any name, and its arrays may be in client memory."""
     _bind(gl, name, True)
 
 
 @entry("DeleteVertexArrays", compiled=False)
 def delete_vertex_arrays(gl, number, names):
-    """Delete objects; where one is bound, none is then."""
+    """Delete objects. If one of them is bound, no object is bound afterwards."""
     if number < 0:
         raise GLError(tokens.INVALID_VALUE, f"{number} vertex array objects")
     arrays = gl.arrays
@@ -91,5 +91,5 @@ def delete_vertex_arrays(gl, number, names):
 
 @entry("IsVertexArray", compiled=False)
 def is_vertex_array(gl, name):
-    """Whether a name is that of an object that was bound once."""
+    """Whether a name belongs to an object that was bound at least once."""
     return bool(name) and name in gl.arrays.objects

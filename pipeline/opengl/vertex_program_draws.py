@@ -1,12 +1,12 @@
-"""Vertex programs on the host: NV_vertex_program's calls, and what a draw's vertices become.
+"""Vertex programs on the host: NV_vertex_program's calls, and the vertices that a program computes.
 
 A program runs here, in the arithmetic of the NV20's transform unit (``vertices.vertex_programs``;
-docs/numbers.md section 2): 24 significant bits, its own reciprocals, logarithms and powers. Its positions
-enter the machine as clip coordinates behind identity matrices; its colours, fog and texture coordinates enter
-as a vertex's own. So machines without vertex programs draw them too, as drivers of 2001 did on the processor.
+docs/numbers.md section 2): 24 significant bits, its own reciprocals, logarithms and powers. The machine gets
+its positions as clip coordinates, with identity matrices; colours, fog and texture coordinates become those
+of the vertices. So machines without vertex programs can draw them, as drivers of 2001 did on the processor.
 
-Attributes are the conventional ones of the same number (NV_vertex_program, "Vertex Attributes"). Assumed: a
-program reads x alone of attributes 1 and 5, and 6 and 7 are constants of a draw.
+Attributes are the conventional ones with the same number (NV_vertex_program, "Vertex Attributes"). Assumed: a
+program reads only x of attributes 1 and 5; attributes 6 and 7 are constant in a draw.
 """
 
 import re
@@ -38,7 +38,7 @@ from fixedpipe.pipeline.vertices.vertex_programs import VertexProgram, vertex_pr
 
 ENABLED = ("enabled", tokens.VERTEX_PROGRAM_NV)
 _HEADER = re.compile(r"\s*!!(VP1\.[01])(.*?)END\s*\Z", re.DOTALL)
-# What the interpreter calls each attribute by its number: it has the NV2A's order beside the names.
+# The interpreter's name of each attribute, by number. The interpreter's own numbers are the NV2A's.
 _INPUTS = ("OPOS", "WGHT", "NRML", "COL0", "COL1", "FOGC", 6, 7, "TEX0", "TEX1", "TEX2", "TEX3", 13, 14, 15)
 _INPUT = re.compile(r"\bv\[\s*(?:(\d+)|TEX([4-7]))\s*\]")
 
@@ -52,7 +52,7 @@ for _number in (6, 7):
 
 @lru_cache(maxsize=64)
 def assembled(text: str) -> VertexProgram:
-    """The program of a text of NV_vertex_program. Raises ValueError for one that is none."""
+    """The program of a text of NV_vertex_program. Raises ValueError for a wrong text."""
     found = _HEADER.match(text)
     if found is None:
         raise ValueError("it does not begin with !!VP1.0 or !!VP1.1 and end with END")
@@ -68,7 +68,7 @@ def _input(found):
 
 @entry("LoadProgramNV", compiled=False)
 def load_program(gl, target, name, length, text):
-    """Give a program its text."""
+    """Set the text of a program."""
     if target == tokens.VERTEX_STATE_PROGRAM_NV:
         raise Refused("vertex state programs are not carried out here")
     check_target(target)
@@ -77,7 +77,7 @@ def load_program(gl, target, name, length, text):
 
 @entry("RequestResidentProgramsNV", "AreProgramsResidentNV", compiled=False)
 def resident_programs(gl, *arguments):
-    """Where programs lie makes no difference here."""
+    """Do nothing, because the memory of programs has no effect here."""
     gl.tally.add("no effect", gl.called)
 
 
@@ -108,7 +108,7 @@ _MATRICES = {
 
 @entry("TrackMatrixNV")
 def track_matrix(gl, target, address, matrix, transform):
-    """Have four parameters follow a matrix; NONE ends it."""
+    """Let four parameters follow a matrix. NONE ends this."""
     if target != tokens.VERTEX_PROGRAM_NV or transform not in _TRANSFORMS:
         raise GLError(tokens.INVALID_ENUM)
     if address % 4 or not 0 <= address < PARAMETERS:
@@ -135,7 +135,7 @@ def _constants(gl):
 
 
 def set_attribute(gl: Any, number: int, components: tuple[float, ...]) -> None:
-    """Set attribute 6 or 7, which are no conventional ones."""
+    """Set attribute 6 or 7, which are not conventional ones."""
     gl.values.set(("vertex attribute", number), filled(components))
 
 
@@ -154,9 +154,9 @@ COLUMNS = {
 
 
 def programmed_mesh(gl: Any, mesh: Mesh) -> Mesh:
-    """The mesh of what the bound program makes of a mesh's vertices.
+    """The mesh of the vertices that the bound program computes from a mesh.
 
-    Raises Refused without a program, and LeftOut where a result is infinite or NaN.
+    Raises Refused without a program, and LeftOut if a result is infinite or NaN.
     """
     program = gl.shared.programs.get(gl.values["vertex program"])
     if program is None:
@@ -164,7 +164,7 @@ def programmed_mesh(gl: Any, mesh: Mesh) -> Mesh:
     for token in (tokens.VERTEX_PROGRAM_TWO_SIDE_NV, tokens.VERTEX_PROGRAM_POINT_SIZE_NV):
         if gl.values[("enabled", token)]:
             raise Refused(f"{tokens.name_of(token)} is enabled; a program's {_WRITTEN[token]} not drawn here")
-    # A missing w of a normal or colour is 1, as of positions.
+    # A missing w of a normal or colour is 1, as for positions.
     given = {
         "OPOS": mesh.positions,
         "WGHT": _column(mesh.weights),
@@ -209,9 +209,9 @@ def _column(values):
 
 @lru_cache(maxsize=1024)
 def programmed_state(state: PassState, keeps_position: bool) -> PassState:
-    """The state that draws what a program made: without lighting, generated coordinates and matrices.
+    """The state that draws a program's vertices: without lighting, generated coordinates and matrices.
 
-    ``keeps_position``: with those of the position.
+    ``keeps_position``: whether it has the position's matrices and clip planes.
     """
     gen = (TexGen(),) * 4
     plain = VertexState().modelview

@@ -1,7 +1,7 @@
-"""Program objects of NV_vertex_program and ARB_vertex_program: names, texts, and parameters that are numbers.
+"""Program objects of NV_vertex_program and ARB_vertex_program: names, texts and numeric parameters.
 
 Both extensions have the same objects and the same environment parameters (NV_vertex_program1_1). Fragment
-programs have ARB's calls with another target, and are refused by name.
+programs use ARB's calls with another target. They are refused with a sentence that names them.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,18 +15,18 @@ from fixedpipe.pipeline.opengl.entry_points import entry, register
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.values import declare
 
-# Source: NV_vertex_program's 96 program parameters; ARB_vertex_program asks for as many of each kind.
+# Source: NV_vertex_program's 96 program parameters; ARB_vertex_program requires the same number of each kind.
 PARAMETERS = 96
-_LONGEST = 1 << 16  # characters of a program. Assumed: 128 instructions take a tenth
+_LONGEST = 1 << 16  # the most characters of a program. Assumed: 128 instructions take a tenth of this
 
 declare("vertex program", 0)
-# Whether the bound program leaves the position to the fixed functions.
+# Whether the fixed functions compute the position while the bound program is used.
 declare("position kept", False)
 declare("program parameters", ((0.0, 0.0, 0.0, 0.0),) * PARAMETERS)
 
 
 def check_target(target: int) -> None:
-    """Raise GLError or Refused for another target than VERTEX_PROGRAM."""
+    """Raise GLError or Refused for any target except VERTEX_PROGRAM."""
     if target == tokens.FRAGMENT_PROGRAM_ARB:
         raise Refused("fragment programs are not drawn here")
     if target != tokens.VERTEX_PROGRAM_ARB:
@@ -34,9 +34,9 @@ def check_target(target: int) -> None:
 
 
 def give_text(gl: Any, name: int, length: int, text: Any, assembled: Callable[[str], Any]) -> None:
-    """Give a program its text, ``length`` characters of bytes or of a string.
+    """Set the text of a program: the first ``length`` characters of bytes or of a string.
 
-    Raises GLError for a length out of range, and for what ``assembled`` refuses with ValueError.
+    Raises GLError if the length is out of range, or if ``assembled`` raises ValueError for the text.
     """
     if not 0 <= length <= _LONGEST:
         raise GLError(tokens.INVALID_VALUE, f"a program of {length} characters")
@@ -65,12 +65,12 @@ def bind_program(gl, target, name):
 
 @entry("GenPrograms", compiled=False)
 def gen_programs(gl, count, names=None):
-    """Names of programs; in a trace those that the driver gave. They need not be entered."""
+    """Do nothing. In a trace the driver has chosen the names, and they are not stored here."""
 
 
 @entry("DeletePrograms", compiled=False)
 def delete_programs(gl, count, names):
-    """Forget programs with their local parameters."""
+    """Delete programs and their local parameters."""
     if count < 0:
         raise GLError(tokens.INVALID_VALUE, f"{count} programs")
     for name in names[:count]:
@@ -96,9 +96,9 @@ def set_environment(gl: Any, first: int, rows: Sequence[tuple[float, ...]]) -> N
 def register_parameters(
     name: str, vendor: str, store: Callable[[Any, int, Sequence[tuple[float, ...]]], None], several: str
 ) -> None:
-    """Enter the calls that set parameters: ``name`` with 4f, 4fv, 4d and 4dv, and s4fv or s4dv.
+    """Register the calls that set parameters: ``name`` with 4f, 4fv, 4d and 4dv, and s4fv or s4dv.
 
-    ``vendor``: the suffix of their names. ``several``: f and d, of those that set several at once.
+    ``vendor``: the suffix of their names. ``several``: "f" or "fd", the types of calls that set several.
     """
 
     def set_rows(gl, target, first, rows):

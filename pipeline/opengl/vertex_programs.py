@@ -1,8 +1,8 @@
-"""Programs and shaders that are refused by name: those of fragments, and what came after the machines here.
+"""Refuses programs and shaders: those for fragments, and those that are newer than the machines here.
 
 Vertex programs are carried out (vertex_program_draws.py, arb_vertex_programs.py).
 
-A call that makes or sets a program is refused where it is made. So is a draw while a program is in use.
+A call that makes or sets such a program is refused. So is a draw while such a program is in use.
 """
 
 from fixedpipe.pipeline.opengl import tokens
@@ -38,7 +38,7 @@ declare("program", 0)
     ("enabled", _FRAGMENT_SHADER_ATI),
 )
 def _programs(gl, program, fragment, ati):
-    """None. Raises Refused while a program would take part in drawing."""
+    """None. Raises Refused while such a program is in use."""
     if program:
         raise Refused(_SHADERS)
     if fragment:
@@ -56,7 +56,7 @@ def _refused(sentence):
 
 @entry("UseProgram", "UseProgramObject")
 def use_program(gl, program):
-    """The shader program that later draws use. They are refused."""
+    """Set the shader program that later draws use. These draws are refused."""
     gl.values.set("program", int(program or 0))
 
 

@@ -1,1 +1,1 @@
-"""Trace files of apitrace: bytes to calls and back, without any meaning of OpenGL."""
+"""Reads and writes trace files of apitrace: bytes to calls and back, without what calls mean in OpenGL."""

@@ -1,11 +1,11 @@
-"""Trace files of apitrace as calls, without any meaning of OpenGL.
+"""Trace files of apitrace as calls. This module does not know what the calls mean in OpenGL.
 
     with Trace("game.trace") as trace:
         for call in trace:
             print(call.number, call.name, call.arguments)
     print(trace.damage or "whole", trace.unfinished)
 
-A file of any size is read in bounded memory, once from its beginning to its end. It may be a pipe, which a
+A file of any size is read in bounded memory, once from its beginning to its end. It may be a pipe that a
 program fills while it is recorded.
 
 Source: apitrace's docs/FORMAT.markdown, versions 1 to 6.
@@ -24,33 +24,33 @@ from fixedpipe.pipeline.traces.tags import END, ENTER, FAKE, LEAVE, NEWEST, OLDE
 
 __all__ = ["FAKE", "Call", "Trace", "TraceError"]
 
-# Bytes before the first call. Assumed: properties are a path or two.
+# The most bytes before the first call. Assumed: properties are a path or two.
 _LARGEST_HEADER = 1 << 20
-# Bytes by which the data grow at most when an event is begun again: it may have many blobs.
+# The most bytes by which the data grow when an event is decoded again; the event may have many blobs.
 _GROWTH = 16 << 20
-# Pieces of these data whose places in the file are known: damage is in one of them, or behind it.
+# The most pieces of the data whose places in the file are known. Damage is in one of them, or after it.
 _MOST_PLACES = 1000
-# Calls that are entered and not left, and bytes that they take, with 64 for each value of an array.
-# Assumed: a program has fewer threads, and each is in one call.
+# Limits for calls that are entered and not left: their number, and their bytes, with 64 for each value of an
+# array. Assumed: a program has fewer threads, and each is in one call.
 MOST_UNFINISHED, _HEAVIEST_UNFINISHED, _VALUE = 4096, LARGEST_EVENT, 64
-# Calls whose leaving events are made at once: all numbers of 7 bits.
+# How many leaving events are made at once: one for each number of 7 bits.
 _NUMBERS = 128
 
 
 class Call(NamedTuple):
     """A call that was entered and left.
 
-    number     counted from 0 in the order in which calls are entered
-    name       the function's, for instance "glVertex3f"
-    arguments  by position, at least as many as the function's signature has; None for one that is not given.
-               What the call itself wrote, through a pointer, is as it was when the call was left
-    result     None for a function without one
+    number     the call's number, from 0, in the order in which calls are entered
+    name       the function's name, for instance "glVertex3f"
+    arguments  by position, at least as many as the function's signature has; None for an absent one. If the
+               call wrote through a pointer, the argument is the data at the end of the call
+    result     None for a function without a result
     flags      bits: FAKE
-    thread     counted from 0; 0 where the file does not say
+    thread     the thread's number, from 0; 0 if the file does not name it
 
     Values are None, bool, int (also enumerations, bitmasks and pointers), float, str, bytes (blobs), list
-    (arrays) and dict (structures, by their members' names). Where the file has a value for people and one for
-    machines, the latter is given.
+    (arrays) and dict (structures, by their members' names). If the file has a value for people and one for
+    machines, the call has the latter.
     """
 
     number: int
@@ -62,32 +62,34 @@ class Call(NamedTuple):
 
 
 class Trace:
-    """A trace's calls, each as soon as it was left: a context manager, and an iterator that runs once.
+    """The calls of a trace: a context manager, and an iterator that runs once. It yields a call when the call
+    is left.
 
-    source      a path, "-" for standard input, or a binary file, of which nothing but ``read`` is called.
-                What is opened here is closed here, at the end or by ``close``; a file is its owner's
-    version     of the format, 1 to 6
-    properties  of a version 6, for instance {"process.name": "/usr/bin/glxgears"}
-    damage      None, or a sentence that says what is cut or damaged, and where. Set when no call is left; all
-                calls before that place were given
+    source      a path, "-" for standard input, or a binary file; only the file's ``read`` is called. A path
+                is opened, and closed at the end or by ``close``. The caller closes a file of its own
+    version     the version of the format, 1 to 6
+    properties  the properties of a version 6, for instance {"process.name": "/usr/bin/glxgears"}
+    damage      None, or a sentence that says what is cut or damaged, and where. It is set after the last call
+                before that place
     enum_names  {value: the first name that an enumeration of the file gave it} so far
 
-    Raises TraceError for a file that is no trace, or whose library is not installed, and OSError for one that
-    cannot be read. Damage behind the first call raises nothing.
+    Raises TraceError if a file is not a trace, or the library for it is not installed; and OSError if it
+    cannot be read. Damage after the first call raises nothing.
     """
 
     def __init__(self, source: str | PathLike[str] | BinaryIO):
         self.damage: str | None = None
         self.properties: dict[str, str] = {}
-        # Data that are not decoded yet begin at _at of _data, whose first byte is number _before of all data.
+        # Data that are not decoded yet begin at _at in _data. The first byte of _data is byte _before of all
+        # data.
         self._data, self._at, self._before = b"", 0, 0
         # Where the pieces of _data begin: (in all data, in the file).
         self._places: list[tuple[int, int]] = []
         self._broken: TraceError | None = None
-        # {number: (name, arguments, result, flags, thread, bytes)} of calls that are entered.
+        # {number: (name, arguments, result, flags, thread, bytes)} of calls that are entered and not left.
         self._pending: dict[int, tuple[str, list, Any, int, int, int]] = {}
         self._pending_bytes = 0
-        # Of the call that is entered next.
+        # The number of the call that is entered next.
         self._number = 0
         self._opened: BinaryIO | None = None
         self._calls: Generator[Call, None, None] | None = None
@@ -121,11 +123,11 @@ class Trace:
 
     @property
     def unfinished(self) -> int:
-        """How many calls are entered and not left so far."""
+        """How many calls are entered so far, and not left."""
         return len(self._pending)
 
     def close(self) -> None:
-        """Give no more calls, and close the file if it was opened here."""
+        """Yield no more calls. Close the file, if this object opened it."""
         if self._calls is not None:
             self._calls.close()
         self._close_file()
@@ -137,7 +139,7 @@ class Trace:
     # ------------------------------------------------------------------------------------------- data
 
     def _header(self):
-        """The version; reads all that stands before the first event."""
+        """Read everything before the first event, and return the version."""
         decoder = Decoder(NEWEST)
         while True:
             try:
@@ -155,7 +157,7 @@ class Trace:
                 )
 
     def _read_header(self, decoder):
-        """Where the header ends."""
+        """Read the header, and return where it ends."""
         data = self._data
         self._version, at = varint(data, 0)
         if not OLDEST <= self._version <= NEWEST:
@@ -163,7 +165,7 @@ class Trace:
                 f"The trace's version is {self._version:,}, and {OLDEST} to {NEWEST} are read", 0
             )
         if self._version >= PROPERTIES:
-            # The version of what calls mean is not needed: it says how apitrace itself must replay them.
+            # This number is for apitrace: it says how apitrace must replay the calls. It is not needed here.
             _, at = varint(data, at)
             name, at = decoder.string(data, at)
             while name:
@@ -172,9 +174,9 @@ class Trace:
         return at
 
     def _more(self, needed):
-        """Get pieces until ``needed`` bytes are there, and some more; whether there was one at all.
+        """Read pieces until there are ``needed`` bytes and some more. Returns whether there was a piece.
 
-        They are twice as many then, or _GROWTH more, so that an event is not begun again for each piece.
+        The data become twice as large, or _GROWTH larger. So an event is not decoded again for each piece.
         """
         rest = self._data[self._at :]
         self._before += self._at
@@ -202,7 +204,7 @@ class Trace:
         return size > begun
 
     def _sentence(self, problem, at):
-        """A sentence about what is at ``at`` of the data."""
+        """A sentence that states a problem, and its place, ``at`` in the data."""
         at += self._before
         place = max((place for begin, place in self._places if begin <= at), default=0)
         return f"{problem}, at byte {at:,} of the unpacked data, from byte {place:,} of the file on."
@@ -210,7 +212,9 @@ class Trace:
     # ------------------------------------------------------------------------------------------- calls
 
     def _decoded(self):
-        """The calls; at the end sets the damage. An event that is cut is begun again with more data."""
+        """Yield the calls, and at the end set the damage. If an event is cut, it is decoded again with more
+        data.
+        """
         recent = RecentEvents(self.version)
         try:
             while True:
@@ -234,12 +238,14 @@ class Trace:
             self._close_file()
 
     def _whole_events(self, recent):
-        """The calls that are left in the data. Raises CutError, or its like, where the data end."""
+        """Yield the calls that are left in the data. At the end of the data it raises CutError, IndexError or
+        struct.error.
+        """
         decoder, new = self._decoder, tuple.__new__
         kept, lengths, floats, place = recent.kept, recent.lengths, recent.floats, recent.place
         learned, data, at, number = decoder.learned, self._data, self._at, self._number
         leaving = _leaving_events(number)
-        # The time that reading takes is this loop's: it holds what is frequent, without calls.
+        # Reading takes most of its time in this loop. It handles frequent cases without function calls.
         try:
             while True:
                 if data[at] != ENTER:
@@ -287,7 +293,7 @@ class Trace:
             self._at, self._number = at, number
 
     def _enter(self, number, call, at):
-        """Keep a call until it is left."""
+        """Store a call until it is left."""
         self._pending[number] = call
         self._pending_bytes += call[-1]
         if len(self._pending) > MOST_UNFINISHED or self._pending_bytes > _HEAVIEST_UNFINISHED:
@@ -296,7 +302,7 @@ class Trace:
             )
 
     def _left(self, data, at):
-        """(a call, where the event ends that leaves it)."""
+        """(a call that is left, where the event that leaves it ends)."""
         if data[at] != LEAVE:
             raise DamageError(f"The event {data[at]} is unknown", at)
         number, end = varint(data, at + 1)
@@ -314,8 +320,8 @@ class Trace:
 
 
 def _leaving_events(number):
-    """By the lowest 7 bits of a number, the events without details that leave calls: of these bits and of
-    ``number``'s higher ones.
+    """The events without details that leave calls, by the lowest 7 bits of a call's number. The higher bits
+    are those of ``number``.
     """
     rest = number // _NUMBERS
     if not rest:

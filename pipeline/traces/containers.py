@@ -1,11 +1,11 @@
-"""What a trace file unpacks to: its data in pieces, read once from the file's beginning to its end.
+"""Unpacks trace files: the data come in pieces, and the file is read once, from its beginning to its end.
 
     begins with    container
     "at"           chunks: a length of 4 bytes, least significant first, and as many bytes of raw Snappy
     1F 8B          gzip
     anything else  a stream of Brotli, which has no mark
 
-Memory stays bounded, whatever the file says: a piece has at most LARGEST_CHUNK bytes, most have 1 MB or less.
+Memory stays bounded for any file. A piece has at most LARGEST_CHUNK bytes, and most have 1 MB or less.
 
 Source: apitrace's docs/FORMAT.markdown, lib/trace/trace_file_snappy.cpp and trace_file_read.cpp; the elements
 of raw Snappy: google/snappy's format_description.txt.
@@ -16,23 +16,23 @@ from collections.abc import Iterator
 from typing import Any, BinaryIO
 
 SNAPPY_MARK, GZIP_MARK, ZSTANDARD_MARK = b"at", b"\x1f\x8b", b"\x28\xb5\x2f\xfd"
-# Bytes of an unpacked chunk of Snappy. Source: apitrace's SNAPPY_CHUNK_SIZE. Assumed: nobody writes more than
-# 64 times as many.
+# Bytes of an unpacked chunk of Snappy. Source: apitrace's SNAPPY_CHUNK_SIZE. Assumed: no program writes
+# chunks of more than 64 times this size.
 USUAL_CHUNK, LARGEST_CHUNK = 1 << 20, 64 << 20
-# Bytes of such a chunk in the file. Source: google/snappy's MaxCompressedLength.
+# The most bytes of such a chunk in the file. Source: google/snappy's MaxCompressedLength.
 _LARGEST_PACKED = 32 + LARGEST_CHUNK + LARGEST_CHUNK // 6
-# Bytes that a piece of gzip or Brotli has at least, and about at most.
+# A piece of gzip or Brotli has at least so many bytes, and not many more.
 _PIECE = 1 << 18
-# Bytes that are unpacked at a time: where they are damaged, what they would have given is lost.
+# So many packed bytes are unpacked at a time. If they are damaged, all of their data are lost.
 _BLOCK = 512
 
 
 class TraceError(ValueError):
-    """What is wrong with a trace, as a sentence, with the place in the file."""
+    """A sentence that says what is wrong with a trace, and at which place in the file."""
 
 
 def at_byte(place: int) -> str:
-    """A place in the file, for a sentence."""
+    """Words for a place in the file, as a part of a sentence."""
     return f"at byte {place:,} of the file"
 
 
@@ -48,7 +48,7 @@ def snappy_library() -> Any:
 
 
 def brotli_library() -> Any:
-    """The module brotli. Raises TraceError without one of version 1.2: older ones unpack without bound."""
+    """The module brotli. Raises TraceError if it is missing or older than 1.2; older ones have no limit."""
     try:
         import brotli
     except ImportError:
@@ -62,14 +62,14 @@ def brotli_library() -> Any:
 
 
 class _Input:
-    """A binary file that is read from its beginning to its end; ``place``: bytes read so far."""
+    """A binary file that is read from its beginning to its end. ``place``: how many bytes are read so far."""
 
     def __init__(self, file: BinaryIO):
         self._file, self._waiting = file, b""
         self.place = 0
 
     def read(self, size: int) -> bytes:
-        """As many bytes, or fewer where the file ends; files and pipes may give them one by one."""
+        """``size`` bytes, or fewer at the end of the file. Files and pipes may give them one by one."""
         parts, missing = [], size
         while missing and (part := self._waiting[:missing] or self._file.read(missing)):
             self._waiting = self._waiting[len(part) :]
@@ -79,15 +79,15 @@ class _Input:
         return b"".join(parts)
 
     def give_back(self, part: bytes) -> None:
-        """The bytes that were read last are read again."""
+        """Put back the bytes that were read last; the next ``read`` returns them again."""
         self._waiting = part + self._waiting
         self.place -= len(part)
 
 
 def pieces(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
-    """The data of a trace file: (where in the file it begins, bytes) of each piece; none is empty.
+    """The data of a trace file: (where it begins in the file, bytes) for each piece. No piece is empty.
 
-    Raises TraceError, after all pieces before it, for what is cut or damaged, and for a missing library.
+    Raises TraceError for a missing library, and for cut or damaged data, after all pieces before them.
     """
     source = _Input(file)
     mark = source.read(4)
@@ -105,7 +105,7 @@ def pieces(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
 
 
 def _gathered(parts):
-    """Small parts as pieces; an error comes after the piece before it."""
+    """Join small parts into pieces. An error is raised after the piece before it."""
     waiting: list[bytes] = []
     place, size, error = 0, 0, None
     while True:
@@ -130,7 +130,7 @@ def _gathered(parts):
 
 
 def _gzip(source):
-    """Streams of gzip, one behind the other."""
+    """The data of gzip streams that follow each other."""
     block, unpacker = b"", zlib.decompressobj(wbits=31)
     while True:
         place = source.place - len(block)
@@ -167,7 +167,7 @@ def _brotli(source):
     begun = False
     while not unpacker.is_finished():
         place, block, ended = source.place, b"", False
-        if unpacker.can_accept_more_data():  # it may have more to give, too
+        if unpacker.can_accept_more_data():  # if not, it still has data to return
             block = source.read(_BLOCK)
             ended = not block
         try:
@@ -198,7 +198,7 @@ def _snappy_chunks(source):
         size = int.from_bytes(length, "little")
         if len(length) < 4:
             raise TraceError(f"The trace's last chunk is cut, {at_byte(place)}.")
-        if size == 0:  # apitrace takes it for the end
+        if size == 0:  # for apitrace this is the end
             if source.read(1):
                 raise TraceError(
                     f"A chunk of no bytes ends the trace before the file does, {at_byte(place)}."
@@ -226,7 +226,7 @@ def _snappy_chunks(source):
 
 
 def _unpacked_size(packed):
-    """How many bytes a chunk says that it unpacks to; 0 where that is no number."""
+    """The unpacked size in bytes that a chunk states; 0 if it states no number."""
     size = 0
     for k, byte in enumerate(packed[:5]):
         size |= (byte & 0x7F) << 7 * k
@@ -236,9 +236,9 @@ def _unpacked_size(packed):
 
 
 def beginning_of_snappy(packed: bytes) -> bytes:
-    """What the beginning of raw Snappy data unpacks to, up to where it is cut or makes no sense.
+    """Unpack raw Snappy data up to the place where they are cut or wrong.
 
-    Some microseconds for each element: it is called for the last chunk of a program that was killed.
+    It takes some microseconds for each element. It is called for the last chunk of a killed program.
     """
     size, at = _unpacked_size(packed), 0
     while at < len(packed) and packed[at] >= 0x80:
@@ -248,14 +248,14 @@ def beginning_of_snappy(packed: bytes) -> bytes:
     while at < len(packed) and len(data) < size:
         tag = packed[at]
         at += 1
-        if tag & 3 == 0:  # bytes as they are; a length of more than 60 stands behind the tag
+        if tag & 3 == 0:  # literal bytes; if there are more than 60, their number follows the tag
             more = max(0, (tag >> 2) - 59)
             length = 1 + (int.from_bytes(packed[at : at + more], "little") if more else tag >> 2)
             at += more
             data += packed[at : at + length]
             at += length
             continue
-        # Bytes that were there before: 11, 16 or 32 bits say how far.
+        # A copy of earlier bytes; 11, 16 or 32 bits say how far back they are.
         more = (1, 2, 4)[(tag & 3) - 1]
         if at + more > len(packed):
             break
@@ -267,6 +267,6 @@ def beginning_of_snappy(packed: bytes) -> bytes:
             length = 4 + (tag >> 2 & 7)
         if not 0 < back <= len(data):
             break
-        for _ in range(length):  # they may reach into themselves
+        for _ in range(length):  # the copy may overlap its source
             data.append(data[-back])
     return bytes(data[:size])

@@ -1,15 +1,15 @@
-"""One event of a trace after another: bytes to names, arguments and results.
+"""Decodes a trace, one event after another: bytes to names, arguments and results.
 
-    event = 00 thread signature details     a call is entered; the thread stands there from version 4 on
-          | 01 number details               a call is left, by its number
-    details: pairs of a tag and what belongs to it, up to the tag 00
+    event = 00 thread signature details     a call is entered; with the thread from version 4 on
+          | 01 number details               a call is left; its number names it
+    details: pairs of a tag and its data, up to the tag 00
 
-A signature (of a function, an enumeration, a bitmask, a structure) is spelled out where its number occurs
-first; after that the number stands alone. Numbers are groups of 7 bits, the lowest first.
+The text of a signature (of a function, an enumeration, a bitmask, a structure) follows its number where the
+number occurs first. Later the number occurs alone. Numbers are groups of 7 bits, the lowest first.
 
-Source: apitrace's docs/FORMAT.markdown. Its reader, lib/trace/trace_parser.cpp, differs in two things and is
-right about the files. A structure's signature has a name. Below version 3 an enumeration's signature has one
-name and one value, and no value follows it.
+Source: apitrace's docs/FORMAT.markdown. apitrace's reader, lib/trace/trace_parser.cpp, differs from it in two
+points; the files agree with the reader. A structure's signature has a name. Before version 3 an enumeration's
+signature has one name and one value, and no value follows it.
 """
 
 import struct
@@ -46,37 +46,39 @@ from fixedpipe.pipeline.traces.tags import (
 )
 
 _UNSIGNED = (UNSIGNED, OPAQUE)
-# Bytes of an event. Assumed: no machine here has more than 64 MB of memory, and no call gives it more than
-# twice as many.
+# The most bytes of an event. Assumed: no machine here has more than 64 MB of memory, and no call passes more
+# than twice as many bytes.
 LARGEST_EVENT = 128 << 20
-# Values in the arrays and structures of an event; here each takes up to 64 bytes. Measured: at most 398.
-# Assumed: images and vertices are always blobs.
+# The most values in the arrays and structures of an event; each takes up to 64 bytes in memory.
+# Measured: at most 398. Assumed: images and vertices are always blobs.
 MOST_VALUES = 1 << 20
-# Arrays in arrays. Assumed: programs have two or three.
+# The deepest nesting of arrays. Assumed: programs have two or three levels.
 DEEPEST = 32
-# Arguments of a function, and names in another signature. Measured: at most 10, and 3,514 of an enumeration.
+# The most arguments of a function, and the most names in another signature. Measured: at most 10, and 3,514
+# for an enumeration.
 MOST_ARGUMENTS, MOST_NAMES = 255, 1 << 16
-# Bytes of all signatures, and signatures of one kind. Measured: 104,043 bytes in the traces of `shared`.
+# The most bytes of all signatures, and signatures of one kind. Measured: 104,043 bytes in the traces of
+# `shared`.
 MOST_SIGNATURE_BYTES, MOST_SIGNATURES = 4 << 20, 1 << 19
 
 _float, _double = struct.Struct("<f").unpack_from, struct.Struct("<d").unpack_from
-# Arrays of up to 64 floats, each behind its tag.
+# For arrays of up to 64 floats; a tag precedes each float.
 _FLOAT_TAGS = [bytes([FLOAT]) * count for count in range(65)]
 _FLOATS = [struct.Struct("<" + "xf" * count).unpack_from for count in range(65)]
 
 
 class CutError(Exception):
-    """An event goes on behind the data; ``args[0]``: how many bytes it takes at least."""
+    """An event does not end within the data. ``args[0]``: how many bytes it has at least."""
 
 
 class DamageError(TraceError):
-    """What makes no sense; ``args``: the sentence's beginning, and where in the data it is."""
+    """Data that make no sense. ``args``: the beginning of a sentence, and the place in the data."""
 
 
 def varint(data: bytes, at: int) -> tuple[int, int]:
     """(a number of at most 64 bits, where it ends).
 
-    Raises IndexError where the data end before it does, DamageError for more bits.
+    Raises IndexError if the data end before the number does, and DamageError for more bits.
     """
     value = data[at]
     if value < 0x80:
@@ -93,14 +95,14 @@ def varint(data: bytes, at: int) -> tuple[int, int]:
 
 
 class Decoder:
-    """Decodes the events of one trace, and knows the signatures so far.
+    """Decodes the events of one trace, and stores the signatures so far.
 
-    Its methods take the data and where to begin, and say where they ended. Where the data end too early they
-    raise CutError, IndexError or struct.error. ``forget`` then takes back what was ``learned``, and the event
-    can be begun again with more data; ``learned`` is to be emptied behind each event. Nonsense raises
-    DamageError.
+    Its methods take the data and a place where to begin, and return where they ended. If the data end too
+    early they raise CutError, IndexError or struct.error. Then call ``forget``, which removes the signatures
+    in ``learned``, and decode the event again with more data. Empty ``learned`` after each event. Wrong data
+    raise DamageError.
 
-    version     of the format, 1 to 6
+    version     the version of the format, 1 to 6
     enum_names  {value: the first name that an enumeration gave it}
     values      how many values the arrays and structures of the last event had
     """
@@ -110,14 +112,14 @@ class Decoder:
         self.enum_names: dict[int, str] = {}
         self.functions: dict[int, tuple[str, list[None]]] = {}
         self.enums: dict[int, int | None] = {}
-        # Those behind whose numbers a value stands.
+        # The enumerations whose number is followed by a value.
         self._named = self.enums if version >= NAMED_ENUMS else {}
         self.bitmasks: dict[int, None] = {}
         self.structs: dict[int, list[str]] = {}
         self.frames: dict[int, None] = {}
-        # (table, number, bytes) of what this event spelled out.
+        # (table, number, bytes) of each signature whose text is in this event.
         self.learned: list[tuple[dict, int, int]] = []
-        # Values in this event's arrays and structures.
+        # The number of values in this event's arrays and structures.
         self.values = 0
         self._signature_bytes = 0
         self._begin = 0
@@ -161,14 +163,14 @@ class Decoder:
         return name, arguments, result, flags, thread if said is None else said, at
 
     def leave(self, data: bytes, begin: int, at: int, arguments: list) -> tuple:
-        """(result, flags, thread or None, end) of the event at ``begin``, whose details at ``at`` fill in
-        ``arguments``.
+        """(result, flags, thread or None, end) of the event at ``begin``. Its details begin at ``at``; they
+        set elements of ``arguments``.
         """
         self._begin, self.values = begin, 0
         return self._details(data, at, arguments)
 
     def _details(self, data, at, arguments):
-        """(result, flags, thread or None, end) of details, which fill in ``arguments``."""
+        """(result, flags, thread or None, end) of details. They set elements of ``arguments``."""
         result, flags, thread, count = None, 0, None, len(arguments)
         named = self._named
         while True:
@@ -179,7 +181,7 @@ class Decoder:
                     at += 2
                 else:
                     index, at = varint(data, at + 1)
-                # The most frequent values, without a call.
+                # The most frequent kinds of values are read here, without a function call.
                 tag = data[at]
                 if tag == FLOAT:
                     (value,) = _float(data, at + 1)
@@ -219,14 +221,14 @@ class Decoder:
                 raise DamageError(f"The detail {tag} of a call is unknown", at)
 
     def forget(self) -> None:
-        """Take back what this event has taught so far."""
+        """Remove the signatures that this event has added so far."""
         for table, number, size in self.learned:
             del table[number]
             self._signature_bytes -= size
         self.learned.clear()
 
     def _learn(self, table, number, what, begin, end):
-        """Keep a signature, whose text lies from ``begin`` to ``end``."""
+        """Store a signature, whose text is from ``begin`` to ``end``."""
         table[number] = what
         self.learned.append((table, number, end - begin))
         self._signature_bytes += end - begin
@@ -243,7 +245,7 @@ class Decoder:
         return reader(data, at + 1, depth)
 
     def blob(self, data: bytes, at: int) -> tuple[bytes, int]:
-        """(bytes, end) of as many bytes as a number says."""
+        """(bytes, end) of a blob: a number at ``at`` says how many bytes follow it."""
         begin = at
         size, at = varint(data, at)
         end = at + size
@@ -255,12 +257,12 @@ class Decoder:
         return data[at:end], end
 
     def string(self, data: bytes, at: int) -> tuple[str, int]:
-        """(text, end) of UTF-8, in which what is none becomes U+FFFD."""
+        """(text, end) of a string in UTF-8. Bytes that are no UTF-8 become U+FFFD."""
         text, at = self.blob(data, at)
         return text.decode("utf-8", "replace"), at
 
     def _count(self, data, at):
-        """(how many values follow, where they begin); each has a byte at least."""
+        """(how many values follow, where they begin). Each value has at least one byte."""
         begin = at
         count, at = varint(data, at)
         self.values += count
@@ -282,7 +284,7 @@ class Decoder:
         return -value, at
 
     def _signed(self, data, at):
-        """(an integer behind its tag, end)."""
+        """(an integer, end). Its tag is at ``at``."""
         tag = data[at]
         if tag == UNSIGNED:
             return varint(data, at + 1)
@@ -361,14 +363,16 @@ class Decoder:
         return names, at
 
     def _repr(self, data, at, depth):
-        """What a value is for people, then what it is for machines, which is taken."""
+        """(value, end) of a value in two forms: the form for people is skipped, the one for machines is
+        returned.
+        """
         if depth == DEEPEST:
             raise DamageError(f"Values are in more than {DEEPEST} others", at)
         _, at = self.value(data, at, depth + 1)
         return self.value(data, at, depth + 1)
 
     def _wide_string(self, data, at, depth):
-        """Characters as numbers; or, as Windows has them, the two halves of UTF-16."""
+        """(text, end) of characters as numbers. Windows writes UTF-16: some characters are two numbers."""
         count, at = self._count(data, at)
         characters = []
         for _ in range(count):
@@ -378,7 +382,7 @@ class Decoder:
         return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace"), at
 
     def _backtrace(self, data, at):
-        """Where a backtrace ends, whose frames are not kept."""
+        """Where a backtrace ends. Its frames are not stored."""
         count, at = self._count(data, at)
         for _ in range(count):
             number, at = varint(data, at)

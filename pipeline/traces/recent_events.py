@@ -1,11 +1,11 @@
-"""Events that a trace has again and again, found by their bytes without being decoded.
+"""Finds events that occur again and again in a trace by their bytes, without decoding them.
 
-A program calls its functions with few different arguments. And events of a function that takes floats alone,
-such as glVertex3f, differ in their floats alone. Measured: of OpenArena's 289,250 calls 80 % are found here.
+A program calls its functions with few different arguments. Some functions take only floats, such as
+glVertex3f; their events differ only in the floats. Measured: of OpenArena's 289,250 calls 80 % are found.
 
-Why that is right: an event's own bytes, and the signatures that they name, decide how it is decoded and where
-it ends. Signatures stay as they are. So bytes that were an event once, and spelled out no signature, are the
-same event wherever an event begins.
+This is right for the following reason. The bytes of an event, and the signatures that they name, decide how
+it is decoded and where it ends. Signatures do not change. So bytes that were an event once, and contained no
+text of a signature, are the same event wherever an event begins.
 """
 
 import struct
@@ -14,16 +14,17 @@ from typing import Any, NamedTuple
 from fixedpipe.pipeline.traces.decoding import varint
 from fixedpipe.pipeline.traces.tags import ARGUMENT, FLOAT, THREADS
 
-# Events that are kept, and bytes of each. Measured: 13 MB at most; longer events hardly come again.
+# The most events that are stored, and the most bytes of each. Measured: 13 MB at most; longer events seldom
+# occur again.
 _KEPT, _LONGEST = 1 << 15, 100
-# Lengths of a function's events that are tried. Measured: the third is not worth it.
+# How many lengths of a function's events are tried. Measured: a third one saves no time.
 _LENGTHS = 2
-# Values that cannot be changed by whoever gets them.
+# Types of values that a caller cannot change.
 _SCALARS = {type(None), bool, int, float, str, bytes}
 
 
 class Floats(NamedTuple):
-    """The events of a function whose arguments are floats: what is the same in each, and what is not."""
+    """The events of a function whose arguments are all floats: constant parts, and how to unpack them."""
 
     size: int
     unpack: Any
@@ -36,10 +37,10 @@ class Floats(NamedTuple):
 class RecentEvents:
     """Events of one trace that enter calls.
 
-    ``kept``     {bytes: (name, arguments, flags, thread, how many bytes)}; copy the arguments
-    ``lengths``  by the first byte of an event's signature: lengths that such events have
-    ``floats``   by the same: None, or Floats
-    ``place``    where in an event this byte is, if the thread's number has one byte
+    ``kept``     {bytes: (name, arguments, flags, thread, how many bytes)}; copy the arguments before use
+    ``lengths``  by the first byte of an event's signature: lengths of such events
+    ``floats``   by the same byte: None, or Floats
+    ``place``    the index of this byte in an event, if the thread's number has one byte
     """
 
     def __init__(self, version: int):
@@ -50,7 +51,7 @@ class RecentEvents:
         self._version = version
 
     def keep(self, event: bytes, name: str, arguments: list, flags: int, thread: int) -> None:
-        """Keep an event without result that spelled out no signature, if it is short and of scalars."""
+        """Store an event without result and text of a signature, if it is short and has only scalars."""
         size, first = len(event), event[self.place]
         if size > _LONGEST or not _SCALARS.issuperset(map(type, arguments)):
             return
@@ -68,7 +69,9 @@ class RecentEvents:
         del lengths[_LENGTHS:]
 
     def _shape(self, event, count):
-        """Unpacks constants and floats by turns. None for an event that is not a head, floats, and an end."""
+        """A Struct that unpacks constants and floats in turn; None if the event is not a head, floats and an
+        end.
+        """
         at = 1
         for _ in range(2 if self._version >= THREADS else 1):
             _, at = varint(event, at)

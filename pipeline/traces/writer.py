@@ -1,4 +1,4 @@
-"""Writes trace files of apitrace: for tests, and to keep small traces of one's own.
+"""Writes trace files of apitrace, for tests and for small traces of your own.
 
     with TraceWriter("own.trace") as trace:
         trace.call("glClear", ["mask"], [Bitmask(0x4000)])
@@ -22,9 +22,9 @@ _float, _double = struct.Struct("<f"), struct.Struct("<d")
 
 
 class Enum(NamedTuple):
-    """A value of an enumeration; a tuple of a name and an integer is one as well.
+    """A value of an enumeration. ``TraceWriter`` also accepts a tuple of a name and an integer.
 
-    ``group``: all (name, value) of the enumeration, from version 3 on; without them, this value alone.
+    ``group``: all (name, value) of the enumeration, from version 3 on; without it, only this value.
     """
 
     name: str
@@ -33,40 +33,40 @@ class Enum(NamedTuple):
 
 
 class Bitmask(NamedTuple):
-    """Bits, and (name, bits) of those that have names."""
+    """Bits, and (name, bits) for those that have names."""
 
     value: int
     group: tuple[tuple[str, int], ...] = ()
 
 
 class Pointer(NamedTuple):
-    """An address of the traced program; 0 is written as None is."""
+    """An address in the traced program. 0 is written in the same way as None."""
 
     address: int
 
 
 class Struct(NamedTuple):
-    """A structure and its type's name; a dict is one whose type has no name."""
+    """A structure and the name of its type. A dict is a structure whose type has no name."""
 
     name: str
     members: Mapping[str, Any]
 
 
 class Repr(NamedTuple):
-    """A value for people, and the same for machines."""
+    """A value in two forms: for people, and for machines."""
 
     human: Any
     machine: Any
 
 
 class WideString(NamedTuple):
-    """A text that is written character by character, as programs of Windows have them."""
+    """A text that is written character by character, as in traces of Windows programs."""
 
     text: str
 
 
 class Frame(NamedTuple):
-    """A frame of a backtrace; what is None is not written."""
+    """A frame of a backtrace. Fields that are None are not written."""
 
     module: str | None = None
     function: str | None = None
@@ -88,20 +88,20 @@ def varint(value: int) -> bytes:
 
 
 class TraceWriter:
-    """A trace file that is being written; a context manager, which closes it.
+    """Writes a trace file. It is a context manager, which closes the file.
 
     target      a path, or a binary file, which stays open
-    version     of the format, 1 to 6. Before version 3 an enumeration has one value, and properties are of
-                version 6
-    container   how the data are packed
-    chunk       bytes of a chunk of Snappy, before they are packed; calls may lie in several
-    properties  of the trace, for instance {"process.name": "/usr/bin/glxgears"}
+    version     the version of the format, 1 to 6. Before version 3 an enumeration has one value. Only version
+                6 has properties
+    container   how the data are packed: "snappy", "gzip" or "brotli"
+    chunk       bytes of a chunk of Snappy before packing; a call may extend over several chunks
+    properties  the trace's properties, for instance {"process.name": "/usr/bin/glxgears"}
 
-    A value is None, bool, int, float (of 32 bits where they suffice, else of 64), str, bytes (a blob), list
-    (an array), dict, or one of this module's classes.
+    A value is None, bool, int, float (written with 32 bits if they suffice, otherwise with 64), str, bytes (a
+    blob), list (an array), dict, or one of this module's classes.
 
-    Raises ValueError for another version, for properties that it does not have, and for values that a trace
-    cannot hold; TypeError for values of other classes; TraceError if a container's library is not installed.
+    Raises ValueError for another version, for properties in a version without them, and for values that a
+    trace cannot hold; TypeError for values of other classes; TraceError if a container's library is missing.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class TraceWriter:
         self.version = version
         self._packer = _PACKERS[container](chunk)
         self._number = 0
-        # By its kind and what it spells out, a signature's number.
+        # A signature's number, by the signature's kind and text.
         self._signatures: dict[tuple, int] = {}
         self._counts: dict[str, int] = {}
         self._opened = open(target, "wb") if isinstance(target, str | PathLike) else None  # noqa: SIM115
@@ -144,7 +144,7 @@ class TraceWriter:
         self.close()
 
     def close(self) -> None:
-        """Write what is left, and close the file if it was opened here."""
+        """Write the remaining data. Close the file, if this object opened it."""
         if self._packer is not None:
             self._file.write(self._packer.end())
             self._packer = None
@@ -162,7 +162,7 @@ class TraceWriter:
         flags: int = 0,
         thread: int = 0,
     ) -> int:
-        """Write a call that is entered and left; its number. See ``enter`` and ``leave``."""
+        """Write a call that is entered and left, and return its number. See ``enter`` and ``leave``."""
         number = self.enter(name, argument_names, arguments, flags=flags, thread=thread)
         self.leave(number, result, outputs=outputs)
         return number
@@ -177,7 +177,9 @@ class TraceWriter:
         thread: int = 0,
         backtrace: Sequence[Frame] = (),
     ) -> int:
-        """Write that a call is entered; its number, by which it is left. ``arguments``: from the first on."""
+        """Write that a call is entered, and return its number for ``leave``. ``arguments``: in their order,
+        from the first on.
+        """
         event = bytearray([T.ENTER])
         if self.version >= T.THREADS:
             event += varint(thread)
@@ -195,7 +197,7 @@ class TraceWriter:
         return self._number - 1
 
     def leave(self, number: int, result: Any = None, *, outputs: Mapping[int, Any] | None = None) -> None:
-        """Write that a call is left. ``outputs``: what it wrote, {position of its argument: value}."""
+        """Write that a call is left. ``outputs``: values that it wrote, {position of the argument: value}."""
         event = bytearray([T.LEAVE]) + varint(number)
         if result is not None:
             event += bytes([T.RESULT]) + self._value(result)
@@ -211,7 +213,7 @@ class TraceWriter:
         return details + bytes([T.END])
 
     def _signature(self, kind, text):
-        """A signature's number, and its text where it is the first time."""
+        """The bytes of a signature: its number, and its text if it occurs for the first time."""
         number = self._signatures.get((kind, text))
         if number is not None:
             return varint(number)
@@ -325,7 +327,7 @@ _VALUES = {
 
 
 class _Snappy:
-    """Packs data by chunks, as apitrace does."""
+    """Packs data in chunks, as apitrace does."""
 
     def __init__(self, chunk):
         self._library, self._chunk = snappy_library(), chunk

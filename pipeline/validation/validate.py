@@ -136,22 +136,22 @@ def validate(
     color_bits: int | None = None,
     read: Iterable[str] = (),
 ) -> None:
-    """Refuse what the machine could not execute; return None if it can execute everything.
+    """Refuse commands that the machine cannot execute. Returns None if it can execute all of them.
 
     - ``commands``: iterable of commands, in order.
     - ``profile``: the machine.
-    - ``width``, ``height``: of the framebuffer, in pixels.
-    - ``depth_bits``: of the depth buffer; None: the machine's widest fixed format.
-    - ``textures``: {name: Texture} that the machine already holds, or None.
+    - ``width``, ``height``: the framebuffer's size in pixels.
+    - ``depth_bits``: bits of the depth buffer; None: the machine's widest fixed format.
+    - ``textures``: {name: Texture} that the machine already has, or None.
     - ``surfaces``: {name: Framebuffer}, the machine's pbuffers, or None.
     - ``statistics``: the machine's PixelStatistics, or None.
-    - ``samples``: of each pixel of the framebuffer.
-    - ``color_bits``: of its colours' components; None: the usual width.
-    - ``read``: names that ReadPixels of the same frame already gave.
+    - ``samples``: how many samples each pixel of the framebuffer has.
+    - ``color_bits``: bits of its colours' components; None: the usual width.
+    - ``read``: names that ReadPixels of the same frame has already read.
 
     Raises UnsupportedState (a ValueError). Its message names the command, what was given, what the machine
-    allows, and what to do. Each mesh and texture is checked once in its life; a state is checked once while
-    ``Remembered`` holds it.
+    allows, and what to do. Each mesh and texture is checked once; a state is checked once while
+    ``Remembered`` stores it.
     """
     check_framebuffer(profile, width, height, profile.widest_depth if depth_bits is None else depth_bits)
     check_samples(profile, samples)

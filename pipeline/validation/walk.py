@@ -28,11 +28,10 @@ class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
 class DisabledTexture(UserWarning):
     """A pass reads the texture of a unit that it does not enable; the message says what it gets instead.
 
-    This is a warning and no error, because machines draw such passes. NV_register_combiners leaves the
-    register undefined. On the NV2A it was measured to hold opaque black (docs/numbers.md, section 7; captures
-    of the suites Combiner, Depth_buffer and Texture_format). A texture environment gets what
-    NV_texture_env_combine4 or ARB_texture_env_crossbar says. Most authors of such a pass meant to enable a
-    texture.
+    This is a warning and no error, because machines draw such passes. In NV_register_combiners the register
+    is undefined. On the NV2A it was measured to be opaque black (docs/numbers.md, section 7; captures of the
+    suites Combiner, Depth_buffer and Texture_format). For a texture environment, NV_texture_env_combine4 or
+    ARB_texture_env_crossbar defines the value. Most authors of such a pass meant to enable a texture.
     """
 
 

@@ -265,7 +265,9 @@ def test_drivers(golden):
     project.write(text.replace('name="2"', 'name="three"'))
     assert project("--golden-record")[0] == 0 and project()[0] == 0
     keys = sorted(read_store(project.store))
-    assert [key for key in keys if "sizes" in key] == [f"test_sizes{n}" for n in ("", "::2", "::3", "::three")]
+    assert [key for key in keys if "sizes" in key] == [
+        f"test_sizes{n}" for n in ("", "::2", "::3", "::three")
+    ]
     assert len([key for key in keys if "drivers" in key]) == 3
     project.write(text.replace('name="2"', 'name="three"').replace("(1, 2, 4)", "(1, 4, 4)"))
     status, said = project()
