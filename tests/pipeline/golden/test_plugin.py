@@ -565,7 +565,9 @@ def test_a_damaged_store_fails_in_a_sentence_and_every_command_says_so(project, 
     assert (status, "No picture is an orphan" in said, "test_a.json" in said) == (2, False, True), said
 
 
-@pytest.mark.parametrize("call", ["golden(P / 255)", "golden(P, name='a/b')", "golden(P); golden(P)"])
+@pytest.mark.parametrize(
+    "call", ["golden(P / 255)", "golden(P, name='a/b')", "golden(P, name='a'); golden(P, name='a')"]
+)
 def test_what_a_test_does_wrong_is_said_beside_its_own_line_alone(project, call):
     project.write(f"\ndef test_a(golden):\n    {call}\n")
     said = project()[1]
