@@ -33,6 +33,13 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
     "(or ideal) and their difference; for a diagram and on a slide, machine only.",
 )
 @click.option(
+    "--palette",
+    type=click.Choice(["screen", "paper"]),
+    default="screen",
+    show_default=True,
+    help="Colours of a diagram. screen: on a dark background, as in the gallery. paper: on white, darker.",
+)
+@click.option(
     "--out",
     metavar="FILE",
     help="A .png, .pdf or .svg file. Default: a PNG file named after the figure or script and the machine.",
@@ -42,7 +49,7 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
 )
 @set_option
 @threads_option
-def print(what, profile, style, width, dpi, pictures, out, size, settings, threads):
+def print(what, profile, style, width, dpi, pictures, palette, out, size, settings, threads):
     """Put pictures of figure ID on one sheet, with labels and their source. Or put machine, ideal and
     difference there, of the frame that SCRIPT.py makes or of frame N of a recorded program.
 
@@ -57,19 +64,24 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.progress import progress_of_long
-    from fixedpipe.effects.presentation.pictures import names_of
+    from fixedpipe.effects.presentation.pictures import is_diagram, names_of
     from fixedpipe.effects.presentation.sheet import asked_of, sheet
     from fixedpipe.effects.presentation.sheet_files import KINDS, file_of
     from fixedpipe.effects.presentation.typesetting import drawing_library
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.effects.reports.letters import labels_of, without_letters
+    from fixedpipe.effects.reports.paper_palette import with_paper_palette
 
     look, _ = asked_of(style, width, dpi)
     of_script = is_own_frame(what)
     figure, machine, method, changes, stem = (_script if of_script else _figure)(
         what, profile, size, settings
     )
+    if palette == "paper":
+        if not is_diagram(figure, machine):
+            raise Refusal(f"{figure.id} is no diagram, and only diagrams have palettes; leave out --palette.")
+        method = with_paper_palette(method)
     named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))
     names = names_of(figure, machine, named, look.fixed)
     name = Path(out or f"{stem}-{style}.png")
@@ -97,7 +109,8 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
             step(f"the {what}")
             getattr(drawn, what)
         step("the sheet")
-        composed = sheet(drawn, kind, style=style, width=width, dpi=dpi, pictures=named, letters=letters)
+        asked = {"style": style, "width": width, "dpi": dpi, "pictures": named, "palette": palette}
+        composed = sheet(drawn, kind, **asked, letters=letters)
     write_whole(path, file_of(composed, kind))
     write_whole(beside, composed.bib.encode())
     click.echo(f"{path}: {composed.said}")

@@ -102,7 +102,9 @@ class Sheet:
         return "".join(f"% {line}\n" for line in said) + (f"\n{self.bibtex}" if self.bibtex else "")
 
 
-def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=None, letters=()):
+def sheet(
+    drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=None, palette="screen", letters=()
+):
     """Compose a figure's pictures on a sheet.
 
     Parameters
@@ -121,6 +123,8 @@ def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=No
         they can be.
     pictures : sequence of str, optional
         Of ``fixedpipe.effects.presentation.pictures.PICTURES``; None: as ``names_of`` there chooses.
+    palette : str, optional
+        That of the figure's method, screen or paper, for the command that the sheet names.
     letters : sequence of dict, optional
         Labels that stand over the machine's picture and its ideal, drawn without them: {runs, x, y, size,
         color, align}, as ``fixedpipe.effects.reports.letters.labels_of`` gives them.
@@ -134,7 +138,7 @@ def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=No
     """
     look, width = asked_of(style, width, dpi)
     shown = pictures_of(drawn, names_of(drawn.figure, drawn.profile, pictures, look.fixed))
-    return _Composition(drawn, kind, _scaled(look, width), width, shown, letters).sheet(style, dpi)
+    return _Composition(drawn, kind, _scaled(look, width), width, shown, letters).sheet(style, dpi, palette)
 
 
 def asked_of(style, width=None, dpi=None):
@@ -306,7 +310,7 @@ class _Composition:
 
     # ------------------------------------------------------------------------------------------ sheet
 
-    def sheet(self, style_name, asked_dpi):
+    def sheet(self, style_name, asked_dpi, palette):
         """The Sheet."""
         dpi = asked_dpi
         style, gap = self.style, self.style.gap
@@ -355,7 +359,7 @@ class _Composition:
             caption="\n".join((self.caption, self.made, *(p.note for p in self.pictures if p.note))),
             source=self.paper.words if self.paper else "",
             bibtex=self.paper.bibtex if self.paper else "",
-            command=self._command(style_name, asked_dpi),
+            command=self._command(style_name, asked_dpi, palette),
         )
 
     def _write(self, lines, texts, y):
@@ -436,7 +440,7 @@ class _Composition:
             baseline = y - (len(texts) - n) * height + BASELINE * height / LEADING
             lines.append(Line(x + (width - font.width(line)) / 2, baseline, line, font, color))
 
-    def _command(self, style_name, dpi):
+    def _command(self, style_name, dpi, palette):
         """What draws the sheet again; the machine by its name where it is none of PROFILES."""
         drawn = self.drawn
         keys = [key for key, profile in PROFILES.items() if profile == drawn.profile]
@@ -446,6 +450,7 @@ class _Composition:
         words += ["--size", str(drawn.size)] if self.paper else []
         words += ["--style", style_name, "--width", f"{self.width:g}"]
         words += [] if dpi is None else ["--dpi", f"{dpi:g}"]
+        words += [] if palette == "screen" else ["--palette", palette]
         names = tuple(picture.name for picture in self.shown)
         usual = names_of(drawn.figure, drawn.profile, alone=self.style.fixed)
         words += ["--pictures", ",".join(names)] if names != usual else []

@@ -55,7 +55,8 @@ def typeset(text):
     return joined
 
 
-def _is_label(command):
+def is_label(command):
+    """Whether a command draws letters."""
     return isinstance(command, Draw) and any(
         one and one.texture == _FONT for one in command.state.texture_units
     )
@@ -68,7 +69,7 @@ def labels_of(commands, height):
     """
     if not all(isinstance(command, Clear | Draw | TexImage) for command in commands):
         return None
-    return [_label(command, height) for command in commands if _is_label(command)]
+    return [_label(command, height) for command in commands if is_label(command)]
 
 
 def _label(command, height):
@@ -120,6 +121,6 @@ def without_letters(method):
         commands = method.scene(*given, **values)
         if labels_of(commands, 0) is None:
             return commands
-        return tuple(command for command in commands if not _is_label(command))
+        return tuple(command for command in commands if not is_label(command))
 
     return replace(method, scene=scene)

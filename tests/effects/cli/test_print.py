@@ -2,6 +2,7 @@
 
 import sys
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from PIL import Image
@@ -82,6 +83,14 @@ def test_a_script_s_sheet_is_named_by_it_and_what_is_a_figure_s_is_refused(tmp_p
     assert "0" in refusal_of("none.py")
 
 
+def test_a_diagram_is_printed_on_white_and_its_command_says_so(tmp_path):
+    name = tmp_path / "angles.png"
+    assert run("F000-1", "--palette", "paper", "--size", "128", "--out", name).exit_code == 0
+    assert "--palette paper" in name.with_suffix(".bib").read_text()
+    with Image.open(name) as image:
+        assert (np.asarray(image.convert("RGB")) == 255).all(axis=-1).mean() > 0.5
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -91,6 +100,7 @@ def test_a_script_s_sheet_is_named_by_it_and_what_is_a_figure_s_is_refused(tmp_p
         (("K14", "--out", "sheet.pdf", "--dpi", "300"), "--dpi would be ignored"),
         (("K14", "--style", "postre"), "There is no style 'postre'"),
         (("K14", "--width", "1"), "The width is 1 mm"),
+        (("K14", "--palette", "paper"), "K14 is no diagram"),
         (("K14", "--pictures", "machine,refrence"), "Did you mean reference"),
         (("K14", "--size", "4096"), "draws up to 2048x2048"),
         (("K14", "--set", "light=0,0,0"), "not all zero"),
