@@ -103,6 +103,8 @@ def print(what, profile, style, width, dpi, pictures, palette, out, size, settin
         # The sheet draws letters in its own type, so the machine does not draw them.
         commands = figure.commands(machine, size, method, **changes)
         letters = labels_of(commands, figure.dimensions(size)[1]) or ()
+        if palette == "paper":  # dark letters may stand over a dark picture
+            letters = [{"halo": "#ffffff", **label} for label in letters]
         bare = without_letters(method) if letters else method
         drawn = figure.render(machine, size, method=bare, threads=threads, **changes)
         for what in beside_it:  # reading the attribute computes it
