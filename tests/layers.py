@@ -204,13 +204,13 @@ PACKAGES = {
     },
     "effects/presentation": {
         "pipeline": "profiles",
-        "effects": "refusal bibliography acceptance figures",
+        "effects": "refusal bibliography geometry acceptance figures",
     },
     "effects/reports": {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": (
-            "refusal tasks source_digests computed_once technique bibliography acceptance data_files figures "
-            "arithmetic emulators conformance presentation"
+            "refusal tasks source_digests computed_once technique bibliography geometry acceptance "
+            "data_files figures arithmetic emulators conformance presentation"
         ),
     },
     "effects/nv2a_frames": {

@@ -167,11 +167,21 @@ def xdk_vertex(
             (0.0, 0.0, 1.0, 0.0),
         ]
     )
-    modelview = np.array(view) @ np.array(model)
+    modelview = times(view, model)
     return VertexState(
         modelview=rows_of(modelview),
-        composite=Composite(rows_of(projection @ modelview), (offset, offset, 0.0)),
+        composite=Composite(rows_of(times(projection, modelview)), (offset, offset, 0.0)),
     )
+
+
+def times(a, b):
+    """A matrix, or row vectors, times a matrix in float64: each sum's four terms from left to right.
+
+    NumPy's own product rounds otherwise on other processors.
+    """
+    a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    terms = [a[..., k, None] * b[k] for k in range(4)]
+    return ((terms[0] + terms[1]) + terms[2]) + terms[3]
 
 
 def rows_of(matrix):

@@ -17,6 +17,9 @@ Source: Heidrich 2001, section 1.6; Kautz, Vazquez, Heidrich, Seidel 2000 (filte
 right.
 """
 
+from functools import reduce
+from operator import add
+
 import numpy as np
 
 from fixedpipe.effects.environment_maps import reflections
@@ -55,7 +58,7 @@ def _colors(weights):
 def separable_filter(exponent, size):
     """The lobe as a row times a column of 11 weights each, which sum to one."""
     weights = _lobe(np.abs(np.arange(KERNEL) - KERNEL // 2), exponent, size)
-    row = _colors(weights / sum(weights.tolist()))
+    row = _colors(weights / reduce(add, weights.tolist()))
     return SeparableFilter(row, row, BaseFormat.RGB, ConvolutionBorderMode.REPLICATE_BORDER)
 
 
@@ -63,7 +66,7 @@ def general_filter(exponent, size):
     """The lobe as 11 x 11 weights, which sum to one."""
     x, y = np.meshgrid(*(np.arange(KERNEL) - KERNEL // 2,) * 2)
     weights = _lobe(np.sqrt(x * x + y * y), exponent, size)
-    rows = tuple(_colors(row) for row in weights / sum(weights.ravel().tolist()))
+    rows = tuple(_colors(row) for row in weights / reduce(add, weights.ravel().tolist()))
     return ConvolutionFilter(rows, BaseFormat.RGB, ConvolutionBorderMode.REPLICATE_BORDER)
 
 

@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,7 +105,7 @@ def lines_of_force(
     for value, what in ((step, "step"), (radius, "radius"), (core, "core")):
         if not 0.0 < value < math.inf:
             raise ValueError(f"The {what} of lines of force is {value!r}; give a positive, finite length.")
-    a_charge = count / sum(positive[:, 3].tolist())
+    a_charge = count / reduce(add, positive[:, 3].tolist())
     found = []
     for sign, from_, to in ((1.0, positive, negative), (-1.0, negative, positive)):
         starts = [row[:3] + core * directions(max(1, int(a_charge * abs(row[3]) + 0.5))) for row in from_]

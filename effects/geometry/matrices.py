@@ -5,6 +5,8 @@ Sines, cosines and the numbers derived from them are rounded so that they have t
 """
 
 import math
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -28,10 +30,11 @@ def orthographic(left, right, bottom, top, near=-1.0, far=1.0):
 
 
 def product(first, *others):
-    """The product of 4x4 matrices, the leftmost first; sums in a fixed order."""
+    """The product of 4x4 matrices, the leftmost first; sums in a fixed order, which ``sum`` has not."""
     for other in others:
         first = _rows(
-            [sum(row[k] * other[k][column] for k in range(4)) for column in range(4)] for row in first
+            [reduce(add, (row[k] * other[k][column] for k in range(4)), 0.0) for column in range(4)]
+            for row in first
         )
     return first
 

@@ -3,6 +3,8 @@
 import math
 import re
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -35,7 +37,7 @@ class Cutter:
         if len(fan) == 1:
             return fan
         normals = [_normal(*(points[corner] for corner in corners)) for corners in fan]
-        axis = tuple(sum(n[k] for n in normals) for k in range(3))
+        axis = tuple(reduce(add, (n[k] for n in normals)) for k in range(3))
         if all(_along(n, axis) >= 0.0 for n in normals):
             return fan
         if len(points) > _MOST_CORNERS:

@@ -6,6 +6,8 @@ Vectors are the last axis, length 3.
 """
 
 import math
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -74,4 +76,4 @@ def unit_vector(vector, what):
             f"{what} is {tuple(np.ravel(out).tolist())}; give three finite numbers, not all zero."
         )
     largest = float(np.abs(out).max())
-    return out / largest / math.sqrt(sum(float(c / largest) ** 2 for c in out))
+    return out / largest / math.sqrt(reduce(add, (float(c / largest) ** 2 for c in out)))

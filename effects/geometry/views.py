@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -105,7 +107,7 @@ def perspective_view(
     radius: float = 2.0,
 ) -> View:
     """A camera at ``eye`` that looks at ``center``; nothing within ``radius`` of the centre is clipped."""
-    distance = float(np.sqrt(sum((e - c) ** 2 for e, c in zip(eye, center, strict=True))))
+    distance = float(np.sqrt(reduce(add, ((e - c) ** 2 for e, c in zip(eye, center, strict=True)))))
     near, far = max(distance - radius, distance / 64.0), distance + radius
     projection = perspective(field_of_view, panel.width / panel.height, near, far)
     x, y, z = (float(e) for e in eye)

@@ -11,10 +11,12 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.precision import WIDTHS, at_width
 from fixedpipe.effects.figures.parameters import Maybe, Number, Several, Whole
+from fixedpipe.effects.geometry.vectors import cross, dot
 from fixedpipe.effects.refusal import Refusal
 
 # How many frames there are where nothing says it, and at most.
 USUAL, MOST = 24, 1000
+_STEP = 2.0**-40  # of the components of a direction on an arc
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,10 @@ def movable(kind):
 
 def _arc(first, last, share):
     """The direction so far along the arc from the first to the last, its length between theirs."""
-    lengths = [float(np.linalg.norm(v)) for v in (first, last)]
+    lengths = [math.sqrt(dot(v, v)) for v in (first, last)]
     a, b = (np.asarray(v, float) / length for v, length in zip((first, last), lengths, strict=True))
-    angle = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    across = cross(a, b)
+    angle = math.atan2(math.sqrt(dot(across, across)), float(dot(a, b)))
     if angle > math.pi - 1e-6:
         raise Refusal(
             "There is no one arc between opposite directions; give a third between them, as "
@@ -65,7 +68,8 @@ def _arc(first, last, share):
         way = a
     else:
         way = (math.sin((1.0 - share) * angle) * a + math.sin(share * angle) * b) / math.sin(angle)
-    return tuple((way * (lengths[0] + share * (lengths[1] - lengths[0]))).tolist())
+    # Rounded, because sines and arc tangents have other last bits on other computers.
+    return tuple((np.rint(way * (lengths[0] + share * (lengths[1] - lengths[0])) / _STEP) * _STEP).tolist())
 
 
 def _between_parts(kind, first, last, share):

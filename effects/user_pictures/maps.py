@@ -11,6 +11,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.height_fields import resample, smooth, tileable
+from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.reflectance.material_textures import Material
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MaterialParameters
 from fixedpipe.effects.user_pictures.inputs import read_picture
@@ -129,7 +130,7 @@ class Photograph:
 
     def brightness(self, columns, rows, *, repeated):
         """Its luminance at another size, float64 [rows, columns] in [0, 1]."""
-        return self.fitted(columns, rows, repeated=repeated) @ np.array(height_fields.LUMINANCE)
+        return dot(self.fitted(columns, rows, repeated=repeated), height_fields.LUMINANCE)
 
     def panorama(self, toward):
         """The photograph as an environment of all directions: RGB of directions [..., 3], not zero.

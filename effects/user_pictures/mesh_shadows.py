@@ -157,7 +157,7 @@ def stage(surface, position, name="mesh", toward=TOWARD):
     # In the map is what throws the shadow; the lamp encloses the floor below it alone, so texels are small.
     lamp = lamp_around(Scene((_ground(held), body)), position)
     ground = _ground(np.concatenate(wide))
-    depths = -(ground.surface.positions @ np.array(lamp.modelview[2][:3]) + lamp.modelview[2][3])
+    depths = -(dot(ground.surface.positions, lamp.modelview[2][:3]) + lamp.modelview[2][3])
     if depths.min() > 0.0:
         # A place beyond the far plane would have no depth in a map.
         lamp = replace(lamp, far=max(lamp.far, _rounded_up(float(depths.max()))))

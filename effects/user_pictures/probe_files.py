@@ -17,6 +17,7 @@ from contextlib import redirect_stdout
 
 import numpy as np
 
+from fixedpipe.effects.geometry.vectors import cross, dot
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures.picture_files import one_line, turned
 from fixedpipe.effects.user_pictures.reading import PIXELS, check_count, silent, whole
@@ -35,6 +36,21 @@ _RADIANCE = (0.64, 0.33, 0.29, 0.60, 0.15, 0.06, 1 / 3, 1 / 3)
 _CONES = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 
 
+def _times(a, b):
+    """A 3x3 matrix, or rows [n, 3], times a 3x3 matrix: each sum from its first term on, on any processor."""
+    return (a[:, :1] * b[0] + a[:, 1:2] * b[1]) + a[:, 2:] * b[2]
+
+
+def _inverse(matrix):
+    """By cofactors. Raises LinAlgError if there is none."""
+    x, y, z = matrix
+    cofactors = np.stack([cross(y, z), cross(z, x), cross(x, y)])
+    determinant = float(dot(x, cofactors[0]))
+    if determinant == 0.0:
+        raise np.linalg.LinAlgError("the matrix has no inverse")
+    return cofactors.T / determinant
+
+
 def _xyz(x, y):
     return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
@@ -44,19 +60,19 @@ def _to_xyz(chromaticities):
     red, green, blue, white = np.reshape(np.array(chromaticities, np.float64), (4, 2))
     # A primary may have y = 0, as X and Z have.
     primaries = np.array([[x, y, 1.0 - x - y] for x, y in (red, green, blue)]).T
-    return primaries * np.linalg.solve(primaries, _xyz(*white))
+    return primaries * dot(_inverse(primaries), _xyz(*white))
 
 
 def _adapted(white):
     """The matrix that takes colours seen under a white, x and y, to those under Rec. 709's."""
-    before, after = _CONES @ _xyz(*white), _CONES @ _xyz(*_REC_709[6:])
-    return np.linalg.inv(_CONES) @ np.diag(after / before) @ _CONES
+    before, after = dot(_CONES, _xyz(*white)), dot(_CONES, _xyz(*_REC_709[6:]))
+    return _times(_inverse(_CONES) * (after / before), _CONES)
 
 
 def _converted(colors, matrix):
     """float32 [rows, columns, 3] times a matrix, row by row."""
     for row in colors:
-        row[...] = row.astype(np.float64) @ matrix.T
+        row[...] = _times(row.astype(np.float64), matrix.T)
     return colors
 
 
@@ -175,10 +191,11 @@ def _seen(colors, said):
     primaries = [[float(word) for word in text.split()] for text in said.get("PRIMARIES", ())]
     # White stays white, as Radiance's ra_xyze keeps it.
     if form == _XYZE:
-        matrix, what = np.linalg.inv(_to_xyz(_REC_709)) @ _adapted(_RADIANCE[6:]), "XYZ"
+        matrix, what = _times(_inverse(_to_xyz(_REC_709)), _adapted(_RADIANCE[6:])), "XYZ"
     elif primaries and primaries[-1] != list(_RADIANCE):
         matrix, what = np.eye(3), "its PRIMARIES"
-        matrix = np.linalg.inv(_to_xyz(_REC_709)) @ _adapted(primaries[-1][6:]) @ _to_xyz(primaries[-1])
+        matrix = _times(_inverse(_to_xyz(_REC_709)), _adapted(primaries[-1][6:]))
+        matrix = _times(matrix, _to_xyz(primaries[-1]))
     else:
         return colors, tuple(notes)
     return _converted(colors, matrix), (*notes, f"colours made Rec. 709's from {what}")
@@ -292,7 +309,7 @@ def _of_709(values, chromaticities, notes):
     """(values, notes) of a file whose chromaticities are not Rec. 709's, colorimetrically."""
     if chromaticities is None or values.shape[2] < 3 or np.allclose(chromaticities, _REC_709, atol=1e-3):
         return values, notes
-    matrix = np.linalg.inv(_to_xyz(_REC_709)) @ _to_xyz(chromaticities)
+    matrix = _times(_inverse(_to_xyz(_REC_709)), _to_xyz(chromaticities))
     said = "colours made Rec. 709's from its chromaticities"
     return _converted(values.astype(np.float32), matrix), (*notes, said)
 

@@ -5,13 +5,13 @@
 """
 
 import re
-from math import cos, radians
+from math import cos, radians, sqrt
 from typing import Any
 
 import numpy as np
 
 from fixedpipe.pipeline.opengl.lighting import CLIP_PLANES, LIGHTS, settle_materials
-from fixedpipe.pipeline.opengl.matrices import top
+from fixedpipe.pipeline.opengl.matrices import inverse, multiplied, top
 from fixedpipe.pipeline.opengl.outcomes import Refused
 
 # A row of four numbers: its kind, then the numbers and names that identify it.
@@ -100,8 +100,8 @@ def _light(gl, number, name):
 
 
 def _normalized(vector):
-    length = np.linalg.norm(vector)
-    return np.array(vector) / (length or 1.0)
+    x, y, z = map(float, vector)
+    return np.array([x, y, z]) / (sqrt((x * x + y * y) + z * z) or 1.0)
 
 
 def _scene(gl, face):
@@ -133,15 +133,15 @@ def _point(gl):
 
 def _matrix(gl, name, number, change, row):
     if name == "mvp":
-        matrix = np.array(top(gl, "projection")) @ np.array(top(gl, "modelview"))
+        matrix = multiplied(top(gl, "projection"), top(gl, "modelview"))
     else:
-        matrix = np.array(top(gl, ("texture matrix", number) if name == "texture" else name))
+        matrix = top(gl, ("texture matrix", number) if name == "texture" else name)
     if change in ("inverse", "invtrans"):
-        try:
-            matrix = np.linalg.inv(matrix)
-        except np.linalg.LinAlgError:
-            raise Refused("a program reads the inverse of a matrix that has none") from None
-    return (matrix.T if change in ("transpose", "invtrans") else matrix)[row]
+        matrix = inverse(matrix)
+        if matrix is None:
+            raise Refused("a program reads the inverse of a matrix that has none")
+    rows = np.array(matrix)
+    return (rows.T if change in ("transpose", "invtrans") else rows)[row]
 
 
 _READ = {

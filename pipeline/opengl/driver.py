@@ -32,6 +32,10 @@ from fixedpipe.pipeline.state import (
 )
 
 
+def _dot(a, b):
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+
+
 def has_lighting_unit(profile: Profile) -> bool:
     """Whether the NV10's lighting unit computes lighting, and not OpenGL's equations."""
     return profile.arithmetic.lighting is LightingArithmetic.LIGHTING_UNIT
@@ -50,8 +54,8 @@ def light(profile: Profile, light: Light) -> Light:
     if not has_lighting_unit(profile) or light.spot_cutoff == 180 or light.position[3] != 0:
         return light
     to_light, axis = light.position[:3], light.spot_direction
-    size = math.sqrt(sum(c * c for c in to_light)) * math.sqrt(sum(c * c for c in axis))
-    cosine = -sum(a * b for a, b in zip(to_light, axis, strict=True)) / size if size else 0.0
+    size = math.sqrt(_dot(to_light, to_light)) * math.sqrt(_dot(axis, axis))
+    cosine = -_dot(to_light, axis) / size if size else 0.0
     # For a half-space the limit is exact.
     limit = 0.0 if light.spot_cutoff == 90 else rounded(math.cos(math.radians(light.spot_cutoff)))
     factor = rounded(max(cosine, 0.0) ** light.spot_exponent) if cosine >= limit else 0.0

@@ -5,9 +5,10 @@ lights, materials, matrices or clip planes have an infinity or a NaN.
 """
 
 from dataclasses import replace
+from functools import reduce
 from itertools import chain
 from math import inf, isfinite
-from operator import mul
+from operator import add, mul
 from typing import Any
 
 from fixedpipe.pipeline.enums import ColorMaterialParameter
@@ -323,7 +324,9 @@ def _light(gl, light, name, given):
 def _in_eye_coordinates(gl, vector):
     """The upper left part of the modelview matrix times a vector of three or four components."""
     rows = top(gl, "modelview")[: len(vector)]
-    return tuple([sum(map(mul, row, vector)) for row in rows])  # ``map`` ends with the shorter one
+    return tuple(
+        [reduce(add, map(mul, row, vector), 0.0) for row in rows]
+    )  # ``map`` ends with the shorter one
 
 
 register_parameters("Light", _light)

@@ -73,28 +73,31 @@ def multiplied(a, b):
 
 def inverse_modelview(gl) -> Matrix:
     """The inverse of the modelview matrix. Raises LeftOut if there is none in float64."""
-    return _inverse(top(gl, "modelview"))
+    found = inverse(top(gl, "modelview"))
+    if found is None:
+        raise LeftOut("the modelview matrix has no inverse")
+    return found
 
 
 @lru_cache(maxsize=64)
-def _inverse(matrix: Matrix) -> Matrix:
-    """The inverse of a matrix, by Gauss-Jordan elimination with the largest pivot of each column."""
+def inverse(matrix: Matrix) -> Matrix | None:
+    """The inverse of a matrix, by Gauss-Jordan elimination with the largest pivot of each column; None if
+    there is none in float64.
+    """
     rows = [[*map(float, row), *IDENTITY[i]] for i, row in enumerate(matrix)]
     for k in range(4):
         pivot = max(range(k, 4), key=lambda i: abs(rows[i][k]))
         rows[k], rows[pivot] = rows[pivot], rows[k]
         divisor = rows[k][k]
         if divisor == 0.0 or not math.isfinite(divisor):
-            raise LeftOut("the modelview matrix has no inverse")
+            return None
         rows[k] = [value / divisor for value in rows[k]]
         for i in range(4):
             if i != k:
                 factor = rows[i][k]
                 rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
-    inverse = tuple([tuple(row[4:]) for row in rows])
-    if not all(math.isfinite(value) for row in inverse for value in row):
-        raise LeftOut("the modelview matrix has no inverse")
-    return inverse
+    found = tuple([tuple(row[4:]) for row in rows])
+    return found if all(math.isfinite(value) for row in found for value in row) else None
 
 
 def times_inverse_modelview(gl, plane):

@@ -22,7 +22,7 @@ from fixedpipe.pipeline.opengl import arb_program_state, tokens
 from fixedpipe.pipeline.opengl.arb_program_text import ArbProgram
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, filled, register_attributes
 from fixedpipe.pipeline.opengl.entry_points import entry
-from fixedpipe.pipeline.opengl.matrices import top
+from fixedpipe.pipeline.opengl.matrices import inverse, multiplied, top
 from fixedpipe.pipeline.opengl.meshes import make_mesh
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.values import declare
@@ -85,22 +85,29 @@ def resident_programs(gl, *arguments):
 
 
 register_parameters("ProgramParameter", "NV", set_environment, "fd")
+
+
+def _inverse(matrix):
+    found = inverse(matrix)
+    if found is None:
+        raise Refused("a tracked matrix has no inverse")
+    return found
+
+
 _TRANSFORMS = {
     tokens.IDENTITY_NV: lambda m: m,
-    tokens.INVERSE_NV: np.linalg.inv,
-    tokens.TRANSPOSE_NV: np.transpose,
-    tokens.INVERSE_TRANSPOSE_NV: lambda m: np.linalg.inv(m).T,
+    tokens.INVERSE_NV: _inverse,
+    tokens.TRANSPOSE_NV: lambda m: tuple(zip(*m, strict=True)),
+    tokens.INVERSE_TRANSPOSE_NV: lambda m: tuple(zip(*_inverse(m), strict=True)),
 }
 _MATRICES = {
-    tokens.MODELVIEW: lambda gl: np.array(top(gl, "modelview")),
-    tokens.PROJECTION: lambda gl: np.array(top(gl, "projection")),
-    tokens.COLOR: lambda gl: np.array(top(gl, "color matrix")),
-    tokens.TEXTURE: lambda gl: np.array(top(gl, ("texture matrix", gl.values["active_texture"]))),
-    tokens.MODELVIEW_PROJECTION_NV: lambda gl: (
-        np.array(top(gl, "projection")) @ np.array(top(gl, "modelview"))
-    ),
+    tokens.MODELVIEW: lambda gl: top(gl, "modelview"),
+    tokens.PROJECTION: lambda gl: top(gl, "projection"),
+    tokens.COLOR: lambda gl: top(gl, "color matrix"),
+    tokens.TEXTURE: lambda gl: top(gl, ("texture matrix", gl.values["active_texture"])),
+    tokens.MODELVIEW_PROJECTION_NV: lambda gl: multiplied(top(gl, "projection"), top(gl, "modelview")),
     **{
-        tokens.TEXTURE0 + unit: lambda gl, unit=unit: np.array(top(gl, ("texture matrix", unit)))
+        tokens.TEXTURE0 + unit: lambda gl, unit=unit: top(gl, ("texture matrix", unit))
         for unit in range(COORDINATE_SETS)
     },
 }
@@ -123,11 +130,8 @@ def track_matrix(gl, target, address, matrix, transform):
 def _constants(gl):
     constants = dict(enumerate(gl.values["program parameters"]))
     for address, matrix, transform in gl.values["tracked matrices"]:
-        try:
-            rows = _TRANSFORMS[transform](_MATRICES[matrix](gl))
-        except np.linalg.LinAlgError:
-            raise Refused("a tracked matrix has no inverse") from None
-        constants |= {address + n: tuple(row) for n, row in enumerate(rows.tolist())}
+        rows = _TRANSFORMS[transform](_MATRICES[matrix](gl))
+        constants |= {address + n: tuple(map(float, row)) for n, row in enumerate(rows)}
     return constants
 
 

@@ -5,6 +5,8 @@ polygons in their modes.
 """
 
 from dataclasses import replace
+from functools import reduce
+from operator import add
 
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import (
@@ -160,7 +162,7 @@ def _registered_fogs():
 def _between(corners, u, v):
     """A place among a patch's four corners, by u and v."""
     weights = (1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v
-    return [sum(w * c[i] for w, c in zip(weights, corners, strict=True)) for i in range(4)]
+    return [reduce(add, (w * c[i] for w, c in zip(weights, corners, strict=True))) for i in range(4)]
 
 
 def _strokes(number, primitive):

@@ -231,13 +231,23 @@ def digest_of_inputs(ids):
 @pytest.mark.parametrize(
     "sample", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["some", "others"]
 )
-def test_figures_hand_the_same_bits_to_the_machine_without_numpys_cpu_features(sample):
+def test_figures_hand_the_same_bits_to_the_machine_on_another_processor_and_python(sample):
+    # Without NumPy's loops for newer ones, with the products of its BLAS as an old one has them, and with the
+    # sums of another version of Python.
     from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
     ids = sorted(SAMPLE if sample else FIGURES.keys() - SAMPLE)
     disabled = " ".join(name for name in __cpu_dispatch__ if __cpu_features__.get(name))
-    code = f"from tests.effects.test_figures import digest_of_inputs; print(digest_of_inputs({ids}))"
-    environment = {**os.environ, "NPY_DISABLE_CPU_FEATURES": disabled}
+    code = (
+        "import builtins; from tests.support.other_sum import other_sum; builtins.sum = other_sum; "
+        f"from tests.effects.test_figures import digest_of_inputs; print(digest_of_inputs({ids}))"
+    )
+    environment = {
+        **os.environ,
+        "NPY_DISABLE_CPU_FEATURES": disabled,
+        "OPENBLAS_CORETYPE": "Prescott",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
     plain = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
     )

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from fixedpipe.effects.conformance import scenes, vertex_programs
+from fixedpipe.effects.conformance import host_matrices, scenes, vertex_programs
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.effects.conformance.suites import texture_cubemap
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -177,7 +177,7 @@ def _bordered_cube(size):
         for x, angle in texture_cubemap.CUBES:
             model = texture_cubemap.model_matrix(x, angle)
             model[3, 1] = y
-            points = np.column_stack([CUBE, np.ones(len(CUBE))]).astype(np.float32) @ model.astype(np.float32)
+            points = host_matrices.times(np.column_stack([CUBE, np.ones(len(CUBE))]), model)
             directions = CUBE.copy()
             if around:
                 directions[:, :2] = np.where(directions[:, :2] <= 0, least, 1 - least)

@@ -5,7 +5,7 @@ Source: src/tests/texture_cubemap_tests.cpp of nxdk_pgraph_tests, src/texture_ge
 
 import math
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache, partial, reduce
 from itertools import product
 
 import numpy as np
@@ -160,7 +160,7 @@ def normal_map(path):
 
 def cube(model, coordinates, q=None):
     """A cube's mesh as the vertex program leaves it, with the given texture coordinate sets."""
-    clip = np.c_[CORNERS, np.ones(24)] @ model @ _view() @ eye_to_window()
+    clip = reduce(scenes.times, (np.c_[CORNERS, np.ones(24)], model, _view(), eye_to_window()))
     positions = np.c_[clip[:, :3] / clip[:, 3:], clip[:, 3]]
     return scenes.window_mesh(positions, texture_coordinates=tuple(scenes.single(c) for c in coordinates))
 
@@ -209,7 +209,7 @@ def unit(texture, number):
 
 def eye_vectors(model):
     """float64 [24, 3]: from the eye to every corner, normalised."""
-    away = (np.c_[CORNERS, np.ones(24)] @ model)[:, :3] - (0.0, 0.0, -scenes.XDK_EYE)
+    away = scenes.times(np.c_[CORNERS, np.ones(24)], model)[:, :3] - (0.0, 0.0, -scenes.XDK_EYE)
     return away / np.linalg.norm(away, axis=1)[:, None]
 
 

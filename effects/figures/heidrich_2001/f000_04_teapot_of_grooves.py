@@ -110,7 +110,7 @@ def shown_grooves(panel, blue, red, angle):
         for low, high, color in (((x, 0.0), (x + 0.5, rise), blue), ((x + 1.0, 0.0), (x + 0.5, rise), red)):
             run, climb = high[0] - low[0], high[1] - low[1]
             normal = normalize(np.array([-climb, run, 0.0]) * math.copysign(1.0, run))
-            shade = 0.25 + 0.75 * max(0.0, float(normal @ _GROOVES_LIGHT))
+            shade = 0.25 + 0.75 * max(0.0, float(dot(normal, _GROOVES_LIGHT)))
             places += [(*low, -1.4), (*low, 1.4), (*high, 1.4), (*high, -1.4)]
             colors += [[shade * c for c in color]] * 4
     mesh = Mesh(np.array(places), PrimitiveType.QUADS, colors=np.array(colors))

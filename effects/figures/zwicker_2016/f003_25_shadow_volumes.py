@@ -19,6 +19,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
 )
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, perspective, product, rotation
+from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of, floor
 from fixedpipe.effects.scenes.still_life import still_life
@@ -77,7 +78,8 @@ def scene(profile, size, *, light, volume_color, volume_alpha, background):
     ends = [outline[pick(outline[:, 0])] for outline in outlines for pick in (np.argmin, np.argmax)]
     ways = [end - np.array(light) for end in ends]
     rays = [
-        np.stack([end - _RAY / np.sqrt(way @ way) * way, end]) for way, end in zip(ways, ends, strict=True)
+        np.stack([end - _RAY / np.sqrt(dot(way, way)) * way, end])
+        for way, end in zip(ways, ends, strict=True)
     ]
     endless = shadow_volumes.infinite_view(middle)
     return (
