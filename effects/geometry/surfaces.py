@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.effects.geometry.matrices import rotate
-from fixedpipe.effects.geometry.vectors import cosine, cross, in_frame, normalize, sine
+from fixedpipe.effects.geometry.vectors import cosine, cross, in_frame, normalize, of_40_bits, sine
 from fixedpipe.pipeline.commands import Mesh
 
 
@@ -191,9 +191,9 @@ def _from_silhouette(shares, outwards, up, tube_radius):
     A normal at the angle a from the way to the point is at right angles to what is seen there where cos a is
     the tube's radius over the point's distance.
     """
-    towards = np.arctan2(np.broadcast_to(up, outwards.shape), outwards)
+    towards = of_40_bits(np.arctan2(np.broadcast_to(up, outwards.shape), outwards))
     distance = np.sqrt(outwards * outwards + up * up)
-    half = np.arccos(np.minimum(tube_radius / np.maximum(distance, tube_radius), _NARROWEST))
+    half = of_40_bits(np.arccos(np.minimum(tube_radius / np.maximum(distance, tube_radius), _NARROWEST)))
     facing = towards + half * (4.0 * shares - 1.0)
     turned_away = towards + half + (math.pi - half) * (4.0 * shares - 2.0)
     return np.where(shares <= 0.5, facing, turned_away)

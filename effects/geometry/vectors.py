@@ -31,6 +31,14 @@ def sine(radians):
     return _rounded(np.sin(radians))
 
 
+def of_40_bits(values):
+    """Values rounded to 40 significant bits: exponentials, tangents and the like have other last bits on
+    other computers.
+    """
+    fraction, exponent = np.frexp(values)
+    return np.ldexp(np.rint(fraction * 2.0**40) / 2.0**40, exponent)
+
+
 def dot(a, b):
     """Dot product over the last axis: ``(ax bx + ay by) + az bz``."""
     a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)

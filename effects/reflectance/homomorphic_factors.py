@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.vectors import normalize, of_40_bits
 from fixedpipe.effects.reflectance import hemisphere_maps
 from fixedpipe.effects.technique import Technique
 from fixedpipe.raster.kernel import kernel
@@ -203,5 +203,5 @@ def factored(brdf, size=32, smoothness=SMOOTHNESS):
     _gathered(where, shares, np.ascontiguousarray(weights[:, None] * values), size, right)
     p, q = _solved(times, right).reshape(2, size, size, 3)
     highest_p, highest_q = p.max(axis=(0, 1)), q.max(axis=(0, 1))
-    scale = np.exp(2.0 * highest_p + highest_q)
-    return HomomorphicFactors(np.exp(p - highest_p), np.exp(q - highest_q), scale)
+    powers = p - highest_p, q - highest_q, 2.0 * highest_p + highest_q
+    return HomomorphicFactors(*(of_40_bits(np.exp(power)) for power in powers))

@@ -10,7 +10,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, perspective, product, rotation
-from fixedpipe.effects.geometry.vectors import cross, normalize
+from fixedpipe.effects.geometry.vectors import cross, normalize, of_40_bits
 from fixedpipe.effects.geometry.views import View
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene
 
@@ -141,6 +141,7 @@ def ball_shadow(sun, corners=64):
         normalize(cross(toward, np.array((0.0, 1.0, 0.0)))) if toward[1] < 1.0 else np.array((1.0, 0.0, 0.0))
     )
     angles = 2.0 * np.pi * np.arange(corners + 1)[:, None] / corners
-    rim = BALL + BALL_RADIUS * (np.cos(angles) * across + np.sin(angles) * cross(toward, across))
+    x, y = of_40_bits(np.cos(angles)), of_40_bits(np.sin(angles))
+    rim = BALL + BALL_RADIUS * (x * across + y * cross(toward, across))
     points = rim - toward * (rim[:, 1:2] / toward[1])
     return points if (points[:, 2] < START).all() else None

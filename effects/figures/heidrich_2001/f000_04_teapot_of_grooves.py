@@ -17,7 +17,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure
 from fixedpipe.effects.figures.heidrich_2001.shared import factored_teapot as the
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
+from fixedpipe.effects.geometry.vectors import dot, normalize, of_40_bits, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, perspective_view
 from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS, draw
 from fixedpipe.effects.reflectance import factored_passes, separable_factors
@@ -103,7 +103,7 @@ def lacquer(surface, view, light, strength):
 
 def shown_grooves(panel, blue, red, angle):
     """Commands that draw four grooves, as a mesh that is lit from the viewer's side."""
-    rise = math.tan(math.radians(angle)) * 0.5
+    rise = float(of_40_bits(math.tan(math.radians(angle)))) * 0.5
     view = perspective_view(panel, (0.5, 2.8, 4.4), (-0.07, 0.2 * rise, 0.0), 58.0, radius=4.0)
     places, colors = [], []
     for x in range(-2, 2):

@@ -24,7 +24,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.schilling_1997.shared.antialiased_panels import Subject, draws
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.surfaces import Surface, plane
-from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, sine
+from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, of_40_bits, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view
 from fixedpipe.effects.passes.draws import show
 from fixedpipe.effects.passes.encoding import factor_texels
@@ -154,12 +154,16 @@ def camera(panel):
     )
 
 
+def _tangent(radians):
+    return float(of_40_bits(math.tan(radians)))
+
+
 def water(view, period):
     """The lake as a mesh for a machine: strips from below the picture's edge to the horizon."""
     rows = 32
-    nearest = 0.5 / math.tan(math.radians(0.5 * FIELD_OF_VIEW) + DROP)
-    growth = math.exp(math.log(REACH / nearest) / rows)
-    half = 1.25 * view.panel.width / view.panel.height * math.tan(math.radians(0.5 * FIELD_OF_VIEW))
+    nearest = 0.5 / _tangent(math.radians(0.5 * FIELD_OF_VIEW) + DROP)
+    growth = float(of_40_bits(math.exp(math.log(REACH / nearest) / rows)))
+    half = 1.25 * view.panel.width / view.panel.height * _tangent(math.radians(0.5 * FIELD_OF_VIEW))
     distance = [nearest]
     for _ in range(rows):
         # Rounded to a sixteenth of itself or so: powers differ in their last bit between processors.
