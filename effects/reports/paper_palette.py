@@ -35,18 +35,25 @@ def with_paper_palette(method):
     """
 
     def scene(*given, **values):
-        return tuple(_on_paper(command) for command in method.scene(*given, **values))
+        commands = method.scene(*given, **values)
+        return tuple(_ON_PAPER.get(type(command), _as_it_is)(command) for command in commands)
 
     return replace(method, scene=scene)
 
 
-def _on_paper(command):
-    if isinstance(command, Clear) and command.color is not None:
-        return replace(command, color=_changed(np.array(command.color)))
-    if isinstance(command, Draw) and (is_label(command) or _is_plain(command)):
-        mesh = command.mesh
-        return replace(command, mesh=replace(mesh, colors=_changed(np.array(mesh.colors))))
+def _as_it_is(command):
     return command
+
+
+def _clear(command):
+    return command if command.color is None else replace(command, color=_changed(np.array(command.color)))
+
+
+def _draw(command):
+    if not (is_label(command) or _is_plain(command)):
+        return command
+    mesh = command.mesh
+    return replace(command, mesh=replace(mesh, colors=_changed(np.array(mesh.colors))))
 
 
 def _is_plain(command):
@@ -58,3 +65,6 @@ def _changed(colors):
     """RGB or RGBA with other RGB; of a Clear's color a tuple."""
     colors[..., :3] = on_paper(colors[..., :3])
     return tuple(colors.tolist()) if colors.ndim == 1 else colors
+
+
+_ON_PAPER = {Clear: _clear, Draw: _draw}

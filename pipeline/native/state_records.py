@@ -268,9 +268,8 @@ class StateRecord:
         while (template := self._template(self._of_runs)) is not None:
             plans = self._plans_of_runs(command, rows, self._of_runs)
             numbers = self._bands, self._of_runs, self._scale
-            done, filled, why = submit_runs(
-                jobs, template[0], plans, arrays, formulas, ranges, made, numbers, scratch
-            )
+            given = *arrays, ranges
+            done, filled, why = submit_runs(jobs, template[0], plans, given, formulas, made, numbers, scratch)
             if done == 0 and CLIPS < why <= OTHER_VARIANT:
                 self._of_runs = OTHER_VARIANT - why
                 continue

@@ -20,7 +20,7 @@ from fixedpipe.raster.vector.unit import coordinate_facts
 NO_ROOM = -65
 
 _GIVEN = types.Array(float64, 2, "C", readonly=True)
-_MESH = types.Tuple((_GIVEN, int32[:, ::1], uint8[:, :, ::1], float64[:, :, ::1]))
+_MESH = types.Tuple((_GIVEN, int32[:, ::1], uint8[:, :, ::1], float64[:, :, ::1], int64[:, ::1]))
 _FORMULA = types.Tuple((int32[:, ::1], float64[:, :, ::1], int32[::1], float64[::1]))
 _PLANS = types.Tuple((int32[:, ::1], int64[:, ::1], int32[:, ::1], int32[:, :, ::1]))
 _MADE = types.Tuple((int32[::1], float64[::1]))
@@ -37,21 +37,19 @@ def _fill_plan(filled, plan, where, values):
 
 
 @kernel(
-    types.UniTuple(int64, 3)(
-        JOBS, JOB, _PLANS, _MESH, _FORMULA, int64[:, ::1], _MADE, types.UniTuple(int64, 3), _SCRATCH
-    )
+    types.UniTuple(int64, 3)(JOBS, JOB, _PLANS, _MESH, _FORMULA, _MADE, types.UniTuple(int64, 3), _SCRATCH)
 )
-def submit_runs(jobs, template, plans, mesh, formula, rows, made, numbers, scratch):
+def submit_runs(jobs, template, plans, mesh, formula, made, numbers, scratch):
     """Fill ``jobs`` for the Draws of ``rows``, in order, until one needs more than this kernel does.
 
     template  as in ``submit``
     plans     (plan, where, values, made): the combiners' plan; int64[c, 2]: the places of constant colours in
               it; int32[rows, c]: their values for each row; int32[rows, operations, OPERATION_SIZE]: the
               rows' plans, which must outlive the jobs
-    mesh      (given, triangles, colors, coordinates): float64[n, k], the components of positions;
-              int32[t, 4], counted from the first vertex of their run; uint8[n, 2, 8]; float64[n, units, 4]
+    mesh      (given, triangles, colors, coordinates, rows): float64[n, k], the components of positions;
+              int32[t, 4], counted from the first vertex of their run; uint8[n, 2, 8]; float64[n, units, 4];
+              int64[rows, 4]: first vertex, vertices, first triangle, triangles
     formula   as in ``submit``, but coefficients float64[rows, m, 4]
-    rows      int64[rows, 4]: first vertex, vertices, first triangle, triangles
     made      (ints, floats), which must outlive the jobs: for each row 2 n integers for x and y, the bands'
               ends and their triangles in order; and 2 n floats for 1/w and depths
     numbers   bands; the variant that the template is for; the scale of depths, as in ``submit``
@@ -60,7 +58,7 @@ def submit_runs(jobs, template, plans, mesh, formula, rows, made, numbers, scrat
     Returns (how many rows are done, how many of these have a job, why the next one was not done: 0 where all
     were, NO_ROOM, or what ``submit`` returns).
     """
-    (given, triangles, colors, coordinates), (ints, floats) = mesh, made
+    (given, triangles, colors, coordinates, rows), (ints, floats) = mesh, made
     sums, coefficients, results, parameters = formula
     plan, where, values, own_plans = plans
     bands, variant, scale = numbers
