@@ -143,6 +143,9 @@ def test_an_edit_changes_the_inputs_of_what_may_depend_on_it(monkeypatch, edited
     monkeypatch.setattr(Path, "read_bytes", changed_file)
     assert {figure for figure in before if inputs(figure, 8) != before[figure]} == changed
     assert inputs("K02", 9) != inputs("K02", 8)
+    # What was read of the changed file must not stay for the tests after this one.
+    monkeypatch.undo()
+    assert inputs("K02", 8) == before["K02"]
 
 
 def test_a_reference_that_another_run_computed_is_not_computed_again(tmp_path, monkeypatch):
