@@ -72,6 +72,7 @@ def print(what, profile, style, width, dpi, pictures, palette, out, size, settin
     from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.effects.reports.letters import labels_of, without_letters
     from fixedpipe.effects.reports.paper_palette import with_paper_palette
+    from fixedpipe.pipeline.profiles import PROFILES
 
     look, _ = asked_of(style, width, dpi)
     of_script = is_own_frame(what)
@@ -79,7 +80,7 @@ def print(what, profile, style, width, dpi, pictures, palette, out, size, settin
         what, profile, size, settings
     )
     if palette == "paper":
-        if not is_diagram(figure, machine):
+        if not any(is_diagram(figure, PROFILES[key]) for key in figure.machines[:1]):
             raise Refusal(f"{figure.id} is no diagram, and only diagrams have palettes; leave out --palette.")
         method = with_paper_palette(method)
     named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))

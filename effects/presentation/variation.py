@@ -11,12 +11,11 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.precision import WIDTHS, at_width
 from fixedpipe.effects.figures.parameters import Maybe, Number, Several, Whole
-from fixedpipe.effects.geometry.vectors import cross, dot
+from fixedpipe.effects.geometry.vectors import cross, dot, of_40_bits
 from fixedpipe.effects.refusal import Refusal
 
 # How many frames there are where nothing says it, and at most.
 USUAL, MOST = 24, 1000
-_STEP = 2.0**-40  # of the components of a direction on an arc
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ def _arc(first, last, share):
     lengths = [math.sqrt(dot(v, v)) for v in (first, last)]
     a, b = (np.asarray(v, float) / length for v, length in zip((first, last), lengths, strict=True))
     across = cross(a, b)
-    angle = math.atan2(math.sqrt(dot(across, across)), float(dot(a, b)))
+    angle = of_40_bits(math.atan2(math.sqrt(dot(across, across)), float(dot(a, b))))
     if angle > math.pi - 1e-6:
         raise Refusal(
             "There is no one arc between opposite directions; give a third between them, as "
@@ -67,9 +66,9 @@ def _arc(first, last, share):
     if angle < 1e-9:
         way = a
     else:
-        way = (math.sin((1.0 - share) * angle) * a + math.sin(share * angle) * b) / math.sin(angle)
-    # Rounded, because sines and arc tangents have other last bits on other computers.
-    return tuple((np.rint(way * (lengths[0] + share * (lengths[1] - lengths[0])) / _STEP) * _STEP).tolist())
+        before, after, whole = (of_40_bits(math.sin(s * angle)) for s in (1.0 - share, share, 1.0))
+        way = (before * a + after * b) / whole
+    return tuple((way * (lengths[0] + share * (lengths[1] - lengths[0]))).tolist())
 
 
 def _between_parts(kind, first, last, share):

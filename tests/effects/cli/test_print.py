@@ -83,9 +83,11 @@ def test_a_script_s_sheet_is_named_by_it_and_what_is_a_figure_s_is_refused(tmp_p
     assert "0" in refusal_of("none.py")
 
 
-def test_a_diagram_is_printed_on_white_and_its_command_says_so(tmp_path):
+@pytest.mark.parametrize("machine", ["OPENGL_1_2", "IDEAL"])
+def test_a_diagram_is_printed_on_white_and_its_command_says_so(tmp_path, machine):
     name = tmp_path / "angles.png"
-    assert run("F000-1", "--palette", "paper", "--size", "128", "--out", name).exit_code == 0
+    asked = "--profile", machine, "--palette", "paper", "--size", "128", "--out", name
+    assert run("F000-1", *asked).exit_code == 0
     assert "--palette paper" in name.with_suffix(".bib").read_text()
     with Image.open(name) as image:
         assert (np.asarray(image.convert("RGB")) == 255).all(axis=-1).mean() > 0.5
