@@ -12,7 +12,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
     lamp_without_frustum,
 )
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.matrices import look_at, perspective
+from fixedpipe.effects.geometry.matrices import look_at, perspective, rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of
 from fixedpipe.effects.scenes.still_life import still_life
@@ -34,10 +34,12 @@ CASES = ("eye", "near plane")
 
 def _things(detail):
     """What of the still life throws one shadow where the light comes from behind: things whose shadows lie
-    in no other's, nor in their own.
+    in no other's, nor in their own. The box is turned, so that the light grazes none of its sides.
     """
-    kept = [thing for thing in still_life(detail).objects if thing.name not in ("vase", "column")]
+    kept = [thing for thing in still_life(detail).objects if thing.name not in ("vase", "column", "box")]
+    box = surfaces.box(0.9, 1.2, 0.9).rotated(rotation("y", 70.0)).moved(1.5, 0.6, -1.3)
     pillar = surfaces.lathe(((0.0, 0.0), (0.28, 0.0), (0.28, 1.55), (0.0, 1.55)), detail)
+    kept.append(Object("box", box, (0.34, 0.52, 0.34), 0.1))
     return (*kept, Object("pillar", pillar.moved(-1.55, 0.0, -1.55), (0.66, 0.62, 0.55), 0.1))
 
 
