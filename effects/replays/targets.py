@@ -187,8 +187,6 @@ class Target:
         return self.last.shown() if isinstance(self.last, Target) else (self, self.last)
 
     def _run_on(self, buffers, commands):
-        if not buffers:  # DrawBuffer(NONE): the front end reports that commands write no colours
-            buffers = (BACK,)
         if self.profile.framebuffers.surface_formats:
             self._run_here(buffers, tuple(commands))
             return
@@ -199,24 +197,26 @@ class Target:
             elif self._current is not self:
                 group = tuple(group)
                 self._current.counter = self.counter
-                self._current._run_on((BACK,), group)
+                self._current._run_on(buffers and (BACK,), group)
                 if any(isinstance(command, _WRITING) for command in group):
                     self.last = self._current
                 self._take_counts(self._current)
             else:
                 self._run_here(buffers, tuple(group))
 
-    def _run_here(self, buffers, commands):
-        surface = self._surface
+    def _run_here(self, named, commands):
+        # After DrawBuffer(NONE) the front end's commands write no colours, so any buffer will do.
+        buffers, surface = named or (BACK,), self._surface
         for command in commands:
             kind = type(command)
             if kind is MakeCurrent:
                 surface = None if command.surface is None else command
             elif kind in _WRITING:
-                self.last = buffers[-1] if surface is None else surface.surface
+                if surface is not None or named:
+                    self.last = named[-1] if surface is None else surface.surface
                 self.draws += kind in DRAWING
                 if kind is not Clear:
-                    self.drawn_into.update(buffers if surface is None else (self.last,))
+                    self.drawn_into.update(named if surface is None else (self.last,))
         continued = self._continued(commands)
         depths = self._depths() if len(buffers) > 1 else None
         for number, buffer in enumerate(buffers):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fixedpipe.pipeline.opengl.lighting import CLIP_PLANES, LIGHTS, settle_materials
-from fixedpipe.pipeline.opengl.matrices import inverse, multiplied, top
+from fixedpipe.pipeline.opengl.matrices import PROGRAM_MATRICES, inverse, multiplied, top
 from fixedpipe.pipeline.opengl.outcomes import Refused
 
 # A row of four numbers: its kind, then the numbers and names that identify it.
@@ -38,10 +38,11 @@ _SINGLE = {
     "attenuation": re.compile(r"point\.attenuation"),
 }
 _MATRIX = re.compile(
-    r"matrix\.(?P<name>modelview|projection|mvp|texture)(?:\[(?P<number>\d+)\])?"
+    r"matrix\.(?P<name>modelview|projection|mvp|texture|program)(?:\[(?P<number>\d+)\])?"
     r"(?:\.(?P<change>inverse|transpose|invtrans))?(?:\.row\[(?P<first>\d)(?:\.\.(?P<last>\d))?\])?"
 )
 _ZERO = (0.0, 0.0, 0.0, 0.0)
+_MATRICES = {"texture": 4, "program": PROGRAM_MATRICES}  # how many; there is one of each other matrix
 _LIMITS = {"light": LIGHTS, "product": LIGHTS, "clip": CLIP_PLANES, "texgen": 4}
 
 
@@ -66,7 +67,7 @@ def rows(binding: str) -> list[Row]:
 
 def _matrix_rows(found, binding):
     name, number = found["name"], int(found["number"] or 0)
-    if (name == "texture" and number >= 4) or (name != "texture" and number):
+    if number >= _MATRICES.get(name, 1):
         raise ValueError(f"state.{binding}: there is no such matrix here")
     first = int(found["first"] or 0)
     last = int(found["last"]) if found["last"] else first if found["first"] else 3
@@ -135,7 +136,7 @@ def _matrix(gl, name, number, change, row):
     if name == "mvp":
         matrix = multiplied(top(gl, "projection"), top(gl, "modelview"))
     else:
-        matrix = top(gl, ("texture matrix", number) if name == "texture" else name)
+        matrix = top(gl, (f"{name} matrix", number) if name in _MATRICES else name)
     if change in ("inverse", "invtrans"):
         matrix = inverse(matrix)
         if matrix is None:

@@ -183,8 +183,14 @@ def _capture_multi_elements(gl, mode, counts, type_, pointers, number):
 
 
 def _draw_several(gl, mode, several):
-    """Draw several times. If one draw is refused, the others are still drawn."""
+    """Draw several times. If one draw is refused, the others are still drawn.
+
+    A count that is not positive draws nothing, and is no error (EXT_multi_draw_arrays).
+    """
+    primitive_of(mode)
     for elements in several:
+        if elements.count <= 0:
+            continue
         try:
             _draw_elements(gl, mode, elements)
         except Refused as refusal:

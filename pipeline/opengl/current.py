@@ -9,7 +9,7 @@ from fixedpipe.pipeline.enums import FogCoordinateSource, PolygonMode, Primitive
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry, register
 from fixedpipe.pipeline.opengl.meshes import content_key, make_mesh
-from fixedpipe.pipeline.opengl.outcomes import GLError
+from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.state import PassState, needs_normals
 
 # How many coordinate sets a context stores, for any machine.
@@ -244,14 +244,21 @@ def register_attributes(set_other) -> None:
             register(f"VertexAttribs{size}{kind}v", several, inside=True)
 
 
+def _only_x(number, given):
+    """The first component of an attribute of which the others are not kept."""
+    if filled(given)[1:] != (0.0, 0.0, 1.0):
+        raise Refused(f"attribute {number} has components after x, which are not kept here")
+    return float(given[0])
+
+
 # The conventional attributes by number. Numbers from 8 on are texture coordinates.
 _ATTRIBUTES = {
     0: vertex,
-    1: lambda gl, given: setattr(gl.current, "weight", float(given[0])),
+    1: lambda gl, given: setattr(gl.current, "weight", _only_x(1, given)),
     2: lambda gl, given: setattr(gl.current, "normal", filled(given)[:3]),
     3: _color,
     4: _secondary_color,
-    5: lambda gl, given: setattr(gl.current, "fog_coordinate", float(given[0])),
+    5: lambda gl, given: setattr(gl.current, "fog_coordinate", _only_x(5, given)),
 }
 
 
@@ -408,7 +415,5 @@ def draw_mesh(gl, mesh: Mesh) -> None:
         mesh = programmed_mesh(gl, mesh)
     if gl.values["render_mode"] != tokens.RENDER:
         gl.select(mesh)
-    elif gl.values["draw_buffer"] == tokens.NONE:
-        gl.tally.add("no effect", f"{gl.called} with DrawBuffer(NONE)")
     else:
         gl.emit_draw(mesh, gl.state())

@@ -92,6 +92,8 @@ capability(tokens.POLYGON_SMOOTH, _POLYGON)
 capability(tokens.LINE_STIPPLE, _LINE)
 capability(tokens.LINE_SMOOTH, _LINE)
 capability(tokens.MULTISAMPLE, tokens.MULTISAMPLE_BIT, initial=True)
+for _token in (tokens.SAMPLE_ALPHA_TO_COVERAGE, tokens.SAMPLE_ALPHA_TO_ONE, tokens.SAMPLE_COVERAGE):
+    capability(_token, tokens.MULTISAMPLE_BIT)  # of no effect with one sample a pixel
 declare("cull_face_mode", tokens.BACK, _POLYGON)
 declare("front_face", tokens.CCW, _POLYGON)
 declare("front_mode", tokens.FILL, _POLYGON)
@@ -339,9 +341,10 @@ def _logic_op(gl, enabled, operation):
     return LOGIC_OPERATIONS[operation] if enabled else None
 
 
-@section("color_mask section", "color_mask")
-def _color_mask(gl, mask):
-    return ColorMask(*mask)
+@section("color_mask section", "color_mask", "draw_buffer")
+def _color_mask(gl, mask, buffer):
+    # Without a colour buffer fragments are tested, counted, and written to the other buffers (section 4.2.1).
+    return ColorMask(*((False,) * 4 if buffer == tokens.NONE else mask))
 
 
 @entry("Scissor")

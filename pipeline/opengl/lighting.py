@@ -221,11 +221,17 @@ def _vertex(
     )
 
 
-@section("color_sum", ("enabled", tokens.COLOR_SUM), ("enabled", tokens.LIGHTING))
-def _color_sum(gl, enabled, lighting):
+@section(
+    "color_sum",
+    ("enabled", tokens.COLOR_SUM),
+    ("enabled", tokens.LIGHTING),
+    ("enabled", tokens.VERTEX_PROGRAM_NV),
+)
+def _color_sum(gl, enabled, lighting, programmed):
     # EXT_secondary_color: with lighting, the colour control decides instead. A separate specular colour is
-    # added because the state's lighting says so; with a single colour, the sum adds 0.
-    return enabled and not lighting
+    # added because the state's lighting says so; with a single colour, the sum adds 0. A vertex program takes
+    # the lighting's place.
+    return enabled and (programmed or not lighting)
 
 
 # --------------------------------------------------------------------------------------------- materials

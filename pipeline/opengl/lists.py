@@ -223,9 +223,11 @@ class Run:
 
     def draw(self, gl) -> None:
         """Draw the vertices as Begin and End would now, and set the current values that the run sets."""
-        if drawn_count(self.mode, self.count):
-            draw_mesh(gl, self._mesh(gl))
-        self._leave(gl.current)
+        try:
+            if drawn_count(self.mode, self.count):
+                draw_mesh(gl, self._mesh(gl))
+        finally:  # the calls have set their values, also where the machine refuses the draw
+            self._leave(gl.current)
 
     def add(self, gl) -> None:
         """Add the vertices to those of a Begin that was called outside the list."""
@@ -300,7 +302,7 @@ def _run_of(calls: Calls) -> Run | None:
     for point, arguments in calls[1:-1]:
         try:
             point.handler(recorder, *arguments)
-        except (GLError, TypeError, ValueError, IndexError, KeyError, OverflowError, AttributeError):
+        except (GLError, Refused, TypeError, ValueError, IndexError, KeyError, OverflowError, AttributeError):
             return None  # a call with an error is carried out, and counted, when the list is called
     return Run(mode, recorder.begun, recorder.current)
 
@@ -367,6 +369,8 @@ def _capture_names(gl, count, type_, lists):
         raise GLError(tokens.INVALID_VALUE)
     if type_ not in _OFFSETS and type_ not in _BYTES:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(type_)} is no type of lists' numbers")
+    if not count:
+        return ((),)
     dtype, width = np.dtype(_OFFSETS.get(type_, "<u1")), _BYTES.get(type_, 1)
     if isinstance(lists, np.ndarray) and lists.dtype.kind in "iuf":
         lists = lists.tolist()

@@ -25,6 +25,18 @@ for _stack in ("modelview", "modelview1", "projection", "color matrix"):
     declare(_stack, (IDENTITY,))  # the top of a stack is the last element
 for _unit in range(COORDINATE_SETS):
     declare(("texture matrix", _unit), (IDENTITY,))
+# The matrices that only vertex programs read (NV_vertex_program, ARB_vertex_program), by the names of both.
+PROGRAM_MATRICES = 8
+_NAMED = {
+    tokens.MODELVIEW: "modelview",
+    tokens.MODELVIEW1_EXT: "modelview1",
+    tokens.PROJECTION: "projection",
+    tokens.COLOR: "color matrix",
+}
+for _number in range(PROGRAM_MATRICES):
+    declare(("program matrix", _number), (IDENTITY,))
+    for _first in (tokens.MATRIX0_NV, tokens.MATRIX0_ARB):
+        _NAMED[_first + _number] = "program matrix", _number
 declare("viewport", lambda gl: (0, 0, gl.drawable.width, gl.drawable.height), tokens.VIEWPORT_BIT)
 declare("depth_range", (0.0, 1.0), tokens.VIEWPORT_BIT)
 
@@ -38,12 +50,7 @@ def _stack_key(gl):
     mode = gl.values["matrix_mode"]
     if mode == tokens.TEXTURE:
         return "texture matrix", gl.values["active_texture"]
-    return {
-        tokens.MODELVIEW: "modelview",
-        tokens.MODELVIEW1_EXT: "modelview1",
-        tokens.PROJECTION: "projection",
-        tokens.COLOR: "color matrix",
-    }[mode]
+    return _NAMED[mode]
 
 
 def top(gl, key):
@@ -126,7 +133,7 @@ def _multiply(gl, matrix):
 @entry("MatrixMode")
 def matrix_mode(gl, mode):
     """Choose the stack that matrix calls change."""
-    if mode not in (tokens.MODELVIEW, tokens.PROJECTION, tokens.TEXTURE, tokens.COLOR, tokens.MODELVIEW1_EXT):
+    if mode != tokens.TEXTURE and mode not in _NAMED:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(mode)} is no matrix")
     gl.values.set("matrix_mode", mode)
 
@@ -247,10 +254,11 @@ def ortho(gl, left, right, bottom, top, near, far):
 
 @entry("Viewport")
 def viewport(gl, x, y, width, height):
-    """Set the viewport (section 2.10.1)."""
+    """Set the viewport (section 2.10.1). Its size is clamped to the machine's largest."""
     if width < 0 or height < 0:
         raise GLError(tokens.INVALID_VALUE)
-    gl.values.set("viewport", (int(x), int(y), int(width), int(height)))
+    largest = gl.profile.framebuffers.max_viewport
+    gl.values.set("viewport", (int(x), int(y), min(int(width), largest), min(int(height), largest)))
 
 
 @entry("DepthRange", "DepthRangef")

@@ -151,9 +151,6 @@ def _draws(gl, token):
     if gl.values["render_mode"] != tokens.RENDER:
         feed_back_rectangle(gl, token, raster_position(gl), raster_state(gl))
         return False
-    if gl.values["draw_buffer"] == tokens.NONE:
-        gl.tally.add("no effect", f"{gl.called} with DrawBuffer(NONE)")
-        return False
     return True
 
 

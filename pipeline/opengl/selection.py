@@ -147,11 +147,8 @@ def feedback_buffer(gl, size, type_, buffer=None):
 
 
 def _names(gl):
-    """The name stack, after a hit record for its names was written; None outside selection."""
-    if gl.values["render_mode"] != tokens.SELECT:
-        return None
-    gl.selection.record()
-    return gl.selection.names
+    """The name stack; None outside selection."""
+    return gl.selection.names if gl.values["render_mode"] == tokens.SELECT else None
 
 
 @entry("InitNames")
@@ -159,6 +156,7 @@ def init_names(gl):
     """Empty the name stack."""
     names = _names(gl)
     if names is not None:
+        gl.selection.record()
         names.clear()
 
 
@@ -170,6 +168,7 @@ def load_name(gl, name):
         return
     if not names:
         raise GLError(tokens.INVALID_OPERATION, "the name stack is empty")
+    gl.selection.record()
     names[-1] = int(name) & _LARGEST
 
 
@@ -181,6 +180,7 @@ def push_name(gl, name):
         return
     if len(names) >= MAX_NAME_STACK_DEPTH:
         raise GLError(tokens.STACK_OVERFLOW)
+    gl.selection.record()
     names.append(int(name) & _LARGEST)
 
 
@@ -192,6 +192,7 @@ def pop_name(gl):
         return
     if not names:
         raise GLError(tokens.STACK_UNDERFLOW)
+    gl.selection.record()
     names.pop()
 
 

@@ -10,7 +10,7 @@ program reads only x of attributes 1 and 5; attributes 6 and 7 are constant in a
 """
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -22,7 +22,7 @@ from fixedpipe.pipeline.opengl import arb_program_state, tokens
 from fixedpipe.pipeline.opengl.arb_program_text import ArbProgram
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, filled, register_attributes
 from fixedpipe.pipeline.opengl.entry_points import entry
-from fixedpipe.pipeline.opengl.matrices import inverse, multiplied, top
+from fixedpipe.pipeline.opengl.matrices import PROGRAM_MATRICES, inverse, multiplied, top
 from fixedpipe.pipeline.opengl.meshes import make_mesh
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.values import declare
@@ -40,6 +40,7 @@ ENABLED = ("enabled", tokens.VERTEX_PROGRAM_NV)
 _HEADER = re.compile(r"\s*!!(VP1\.[01])(.*?)END\s*\Z", re.DOTALL)
 # The interpreter's name of each attribute, by number. The interpreter's own numbers are the NV2A's.
 _INPUTS = ("OPOS", "WGHT", "NRML", "COL0", "COL1", "FOGC", 6, 7, "TEX0", "TEX1", "TEX2", "TEX3", 13, 14, 15)
+_OPTION = re.compile(r"\s*OPTION\s+NV_position_invariant\s*;")
 _INPUT = re.compile(r"\bv\[\s*(?:(\d+)|TEX([4-7]))\s*\]")
 
 declare("tracked matrices", ())
@@ -50,13 +51,47 @@ for _number in (6, 7):
 # ----------------------------------------------------------------------------------------------- programs
 
 
+@dataclass(frozen=True)
+class NvProgram:
+    """An assembled program.
+
+    - ``program``: its instructions.
+    - ``keeps_position``: whether the fixed functions compute the position.
+    """
+
+    program: VertexProgram
+    keeps_position: bool
+
+
 @lru_cache(maxsize=64)
-def assembled(text: str) -> VertexProgram:
-    """The program of a text of NV_vertex_program. Raises ValueError for a wrong text."""
+def assembled(text: str) -> NvProgram:
+    """The program of a text of NV_vertex_program, or of NV_vertex_program1_1. Raises ValueError for a wrong
+    text.
+    """
     found = _HEADER.match(text)
     if found is None:
         raise ValueError("it does not begin with !!VP1.0 or !!VP1.1 and end with END")
-    return vertex_program(_INPUT.sub(_input, found[2]))
+    version, body = found[1], "\n".join(line.partition("#")[0] for line in found[2].splitlines())
+    option = _OPTION.match(body) if version == "VP1.1" else None
+    if option:
+        body = body[option.end() :]
+        if "o[HPOS]" in re.sub(r"\s", "", body):
+            raise ValueError("the option NV_position_invariant forbids to write o[HPOS]")
+    if version == "VP1.1":
+        body = ";".join(map(_of_version_1_0, body.split(";")))
+    return NvProgram(vertex_program(_INPUT.sub(_input, body)), option is not None)
+
+
+def _of_version_1_0(statement):
+    """A statement, in which ADD stands for SUB and MAX for ABS, as in ARB programs (arb_program_text)."""
+    word, _, rest = " ".join(statement.split()).partition(" ")
+    parts = [part.strip() for part in rest.split(",")]
+    if word == "SUB" and len(parts) == 3:
+        return f"ADD {parts[0]}, {parts[1]}, {parts[2][1:] if parts[2][0:1] == '-' else '-' + parts[2]}"
+    if word == "ABS" and len(parts) == 2:
+        size = parts[1].lstrip("-")
+        return f"MAX {parts[0]}, {size}, -{size}"
+    return statement
 
 
 def _input(found):
@@ -110,6 +145,10 @@ _MATRICES = {
         tokens.TEXTURE0 + unit: lambda gl, unit=unit: top(gl, ("texture matrix", unit))
         for unit in range(COORDINATE_SETS)
     },
+    **{
+        tokens.MATRIX0_NV + number: lambda gl, number=number: top(gl, ("program matrix", number))
+        for number in range(PROGRAM_MATRICES)
+    },
 }
 
 
@@ -154,6 +193,7 @@ COLUMNS = {
     "secondary_colors": 1,
     "fog_coordinates": 1,
     "weights": 1,
+    "edge_flags": 1,
 }
 
 
@@ -181,15 +221,14 @@ def programmed_mesh(gl: Any, mesh: Mesh) -> Mesh:
     }
     if isinstance(program, ArbProgram):
         constants = {number: arb_program_state.numbers(gl, row) for number, row in enumerate(program.rows)}
-        program, is_kept = program.program, program.keeps_position
     else:
-        constants, is_kept = _constants(gl), False
-    results = program.run({key: each for key, each in given.items() if each is not None}, constants)
+        constants = _constants(gl)
+    results = program.program.run({key: each for key, each in given.items() if each is not None}, constants)
     count = len(mesh.positions)
     missing = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (count, 4))
     units = [results.get(f"TEX{n}", missing) for n in range(4)]
     columns = {
-        "positions": mesh.positions if is_kept else results.get("HPOS", missing),
+        "positions": mesh.positions if program.keeps_position else results.get("HPOS", missing),
         "colors": results.get("COL0", missing),
         "secondary_colors": results.get("COL1", missing),
         "fog_coordinates": results.get("FOGC", np.zeros(count)),
@@ -213,7 +252,8 @@ def _column(values):
 
 @lru_cache(maxsize=1024)
 def programmed_state(state: PassState, keeps_position: bool) -> PassState:
-    """The state that draws a program's vertices: without lighting, generated coordinates and matrices.
+    """The state that draws a program's vertices: without lighting, generated coordinates, matrices, and
+    sizes of points that depend on their distance.
 
     ``keeps_position``: whether it has the position's matrices and clip planes.
     """
@@ -229,4 +269,6 @@ def programmed_state(state: PassState, keeps_position: bool) -> PassState:
         vertex = replace(
             vertex, modelview=own.modelview, projection=own.projection, clip_planes=own.clip_planes
         )
-    return replace(state, vertex=vertex, texture_units=units, fog=fog)
+    # ARB_vertex_program: points have the state's size, as their distance is not computed.
+    point = replace(state.point, parameters=None)
+    return replace(state, vertex=vertex, texture_units=units, fog=fog, point=point)

@@ -653,3 +653,15 @@ def test_calls_between_begin_and_end_are_the_same_mesh():
     first, second, third = meshes(gl)
     assert first is third
     assert first is not second
+
+
+def test_multi_draws_pass_over_counts_that_are_not_positive():
+    gl = context()
+    gl.EnableClientState(GL.VERTEX_ARRAY)
+    gl.VertexPointer(2, GL.FLOAT, 0, np.array([[0.0, 0.0], [0.5, 0.5]], np.float32))
+    gl.MultiDrawArrays(GL.POINTS, [0, 0, 1], [1, -1, 1], 3)
+    assert len(meshes(gl)) == 2
+    gl.MultiDrawArrays(GL.POINTS, [0, 0], [0, 0], 2)
+    assert not refusals(gl)
+    gl.MultiDrawArrays(99, [0], [0], 1)
+    assert gl.error == GL.INVALID_ENUM

@@ -86,3 +86,13 @@ def test_calls_for_the_driver_alone_have_no_effect():
     assert gl.TestFenceNV(1) is True
     assert not refusals(gl)
     assert len(counted(gl, "no effect")) == 7
+
+
+@pytest.mark.parametrize("token", [t.SAMPLE_ALPHA_TO_COVERAGE, t.SAMPLE_ALPHA_TO_ONE, t.SAMPLE_COVERAGE])
+def test_states_of_samples_are_kept(token):
+    gl = context()
+    gl.PushAttrib(t.MULTISAMPLE_BIT)
+    gl.Enable(token)
+    assert gl.IsEnabled(token)
+    gl.PopAttrib()
+    assert not gl.IsEnabled(token) and not refusals(gl)

@@ -366,3 +366,28 @@ def test_numbers_of_lists_that_cannot_be_read():
         "glCallLists: 4 bytes of lists' numbers, where 8589934588 are read",
         "glCallLists: 0 bytes of lists' numbers, where 1 are read",
     ]
+
+
+def test_a_primitive_that_is_left_out_sets_the_current_values_of_its_calls():
+    colors = []
+    for listed in (False, True):
+        gl = context()
+        gl.LoadMatrixf([float("nan")] * 16)
+        if listed:
+            gl.NewList(1, GL.COMPILE)
+        gl.Begin(GL.POINTS)
+        gl.Color3f(1, 0, 0)
+        gl.Vertex2f(0, 0)
+        gl.End()
+        if listed:
+            gl.EndList()
+            gl.CallList(1)
+        assert not gl.take_commands() and refusals(gl)
+        colors.append(tuple(gl.current.color))
+    assert colors == [(1, 0, 0, 1)] * 2
+
+
+def test_no_lists_are_called_by_no_numbers():
+    gl = context()
+    gl.CallLists(0, GL.UNSIGNED_BYTE, None)
+    assert not refusals(gl)

@@ -113,3 +113,20 @@ def test_vectors_are_lists_tuples_or_arrays():
         assert gl.current.color == (0.25, 0.5, 0.75, 1.0)
         assert gl.current.texture_coordinates[1] == (0.25, 0.5, 0.0, 1.0)
     assert gl.tally.count("refused") == 0
+
+
+def test_a_viewport_is_at_most_the_machines_largest():
+    gl = context("GEFORCE_256")
+    gl.Viewport(-3, 5, 2560, 1440)
+    assert gl.GetIntegerv(t.VIEWPORT) == (-3, 5, 2048, 1440)
+
+
+def test_matrices_of_vertex_programs_are_no_modelview():
+    gl = context()
+    for mode in (t.MATRIX0_NV, t.MATRIX0_ARB + 7):
+        gl.MatrixMode(mode)
+        assert gl.GetIntegerv(t.MATRIX_MODE) == mode
+        gl.Translatef(1.0, 2.0, 3.0)
+    assert modelview(gl) == IDENTITY
+    gl.MatrixMode(t.MATRIX0_ARB + 8)
+    assert gl.error == t.INVALID_ENUM

@@ -231,15 +231,33 @@ def test_rectangles_that_opengl_refuses(call, arguments, kind):
     assert not gl.commands
 
 
-def test_nothing_is_drawn_of_no_pixels_or_into_no_buffer():
+def test_nothing_is_drawn_of_no_pixels():
     gl = context()
     gl.DrawPixels(0, 4, GL.RGBA, GL.UNSIGNED_BYTE, None)
     gl.Bitmap(8, 1, 0, 0, 0, 0, b"\0")
     gl.DrawPixels(1, 1, GL.RGBA, GL.UNSIGNED_BYTE, None)
-    gl.DrawBuffer(GL.NONE)
-    _pixels(gl)
     assert not gl.commands
     assert counted(gl, "left out") == [("glDrawPixels: its image lies at a null pointer", 1)]
+
+
+def test_depths_are_written_without_a_colour_buffer():
+    """By rectangles and by polygons (section 4.2.1); the colours stay."""
+    screen = Screen()
+    gl = screen.gl
+    gl.Enable(GL.DEPTH_TEST)
+    gl.DepthFunc(GL.ALWAYS)
+    gl.DrawBuffer(GL.NONE)
+    gl.DrawPixels(1, 1, GL.DEPTH_COMPONENT, GL.FLOAT, np.zeros(1, np.float32).tobytes())
+    gl.Begin(GL.POINTS)
+    gl.Vertex3f(0.125, 0.125, -1.0)
+    gl.End()
+    gl.DrawBuffer(GL.BACK)
+    assert not screen.picture()[..., :3].any()
+    gl.DepthFunc(GL.LESS)
+    gl.Color3f(1, 0, 0)
+    gl.Rectf(-1, -1, 1, 1)
+    picture = screen.picture()
+    assert sorted(set(_lit(np.full((8, 8, 1), 255, np.uint8))) - set(_lit(picture))) == [(0, 0), (4, 4)]
 
 
 # ------------------------------------------------------------------------------------------------- bitmaps

@@ -66,6 +66,19 @@ def test_hit_records():
     assert not refusals(gl)
 
 
+def test_names_that_are_errors_write_no_record():
+    gl = _selecting()
+    for name in (5, 6):
+        _triangle(gl)
+        gl.LoadName(name)
+        gl.PopName()
+    assert gl.RenderMode(GL.RENDER) == 1
+    assert counted(gl, "error") == [
+        ("glLoadName: GL_INVALID_OPERATION, the name stack is empty", 2),
+        ("glPopName: GL_STACK_UNDERFLOW", 2),
+    ]
+
+
 def test_a_hit_without_names():
     gl = _selecting()
     _triangle(gl)

@@ -6,6 +6,7 @@ import pytest
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.opengl import Context
 from fixedpipe.pipeline.opengl import tokens as T
+from fixedpipe.pipeline.opengl.matrices import top
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, OPENGL_1_2
 from tests.pipeline.opengl.drawn import counted
 
@@ -63,9 +64,90 @@ def load_plain(gl):
     gl.TrackMatrixNV(T.VERTEX_PROGRAM_NV, 0, T.MODELVIEW_PROJECTION_NV, T.IDENTITY_NV)
 
 
+def test_program_matrices_are_stacks_of_their_own():
+    gl = viewed()
+    load(gl, PLAIN)
+    position = top(gl, "modelview")
+    gl.MatrixMode(T.MATRIX0_NV + 3)
+    gl.MultMatrixf([column for row in zip(*top(gl, "projection"), strict=True) for column in row])
+    gl.PushMatrix()
+    gl.MultMatrixf([column for row in zip(*position, strict=True) for column in row])
+    gl.TrackMatrixNV(T.VERTEX_PROGRAM_NV, 0, T.MATRIX0_NV + 3, T.IDENTITY_NV)
+    triangle(gl)
+    ours = picture(gl)
+    other = viewed()
+    load_plain(other)
+    triangle(other)
+    assert ours[..., :3].any() and (ours == picture(other)).all()
+    gl.PopMatrix()
+    assert top(gl, ("program matrix", 3)) == top(gl, "projection") and top(gl, "modelview") == position
+
+
+def load_invariant(gl):
+    text = "!!VP1.1 OPTION NV_position_invariant; MOV o[COL0], v[COL0]; MOV o[TEX0], v[TEX0]; END"
+    load(gl, text)
+
+
 @pytest.mark.parametrize("profile", [OPENGL_1_2, GEFORCE_256, GEFORCE_3], ids=lambda profile: profile.name)
-def test_a_program_that_does_as_the_fixed_functions_draws_the_same(profile):
-    assert_as_the_fixed_functions(profile, load_plain)
+@pytest.mark.parametrize("load_program", [load_plain, load_invariant])
+def test_a_program_that_does_as_the_fixed_functions_draws_the_same(profile, load_program):
+    assert_as_the_fixed_functions(profile, load_program)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("!!VP1.1 OPTION NV_position_invariant; MOV o[HPOS], v[OPOS]; END", "forbids to write o[HPOS]"),
+        ("!!VP1.0 OPTION NV_position_invariant; MOV o[COL0], v[COL0]; END", "is no instruction"),
+        ("!!VP1.0 SUB o[COL0], v[COL0], v[COL0]; END", "is no instruction"),
+    ],
+)
+def test_what_version_1_0_lacks_and_the_option_forbids(text, sentence):
+    gl = viewed()
+    load(gl, text)
+    ((said, _),) = counted(gl, "error")
+    assert sentence in said
+
+
+@pytest.mark.parametrize(
+    ("statements", "color"),
+    [
+        ("SUB o[COL0], c[0], v[COL1];", [153, 51, 0]),
+        ("SUB o[COL0], c[0], -v[COL1];", [255, 255, 255]),
+        ("ABS o[COL0], -v[COL1];", [51, 102, 153]),
+    ],
+)
+def test_instructions_of_version_1_1(statements, color):
+    gl = Context(GEFORCE_256, *SIZE)
+    load(gl, f"!!VP1.1 # SUB; ABS\n MOV o[HPOS], v[OPOS]; {statements} END")
+    gl.ProgramParameter4fNV(T.VERTEX_PROGRAM_NV, 0, 0.8, 0.6, 0.6, 1.0)
+    gl.VertexAttrib3fNV(4, 0.2, 0.4, 0.6)
+    assert colored(gl) == color
+
+
+def test_a_programs_secondary_colour_is_added_where_lighting_is_enabled_too():
+    gl = Context(GEFORCE_256, *SIZE)
+    load(gl, "!!VP1.0 MOV o[HPOS], v[OPOS]; MOV o[COL0], c[0]; MOV o[COL1], v[COL1]; END")
+    gl.VertexAttrib3fNV(4, 0.2, 0.4, 0.6)
+    gl.Enable(T.LIGHTING)
+    gl.Enable(T.COLOR_SUM)
+    assert colored(gl) == [51, 102, 153]
+
+
+def test_edge_flags_go_past_programs():
+    made = []
+    for programmed in (False, True):
+        gl = Context(GEFORCE_256, *SIZE)
+        if programmed:
+            load(gl, "!!VP1.0 MOV o[HPOS], v[OPOS]; MOV o[COL0], v[COL0]; END")
+        gl.PolygonMode(T.FRONT_AND_BACK, T.LINE)
+        gl.Begin(T.TRIANGLES)
+        for flag, corner in zip((True, False, True), CORNERS, strict=True):
+            gl.EdgeFlag(flag)
+            gl.Vertex3f(0.9 * corner[0], 0.9 * corner[1], 0.0)
+        gl.End()
+        made.append(picture(gl))
+    assert made[0][..., :3].any() and (made[0] == made[1]).all()
 
 
 def test_arrays_lists_and_immediate_mode_draw_the_same():
@@ -185,7 +267,9 @@ def test_a_text_that_is_no_program_is_an_error_and_its_draws_are_refused(text, w
         ("ProgramParameter4fNV", (T.VERTEX_PROGRAM_NV, 96, 0.0, 0.0, 0.0, 0.0), "error"),
         ("ProgramParameter4fvNV", (T.TEXTURE_2D, 0, [0.0] * 4), "error"),
         ("TrackMatrixNV", (T.VERTEX_PROGRAM_NV, 2, T.MODELVIEW, T.IDENTITY_NV), "error"),
-        ("TrackMatrixNV", (T.VERTEX_PROGRAM_NV, 0, T.MATRIX0_NV, T.IDENTITY_NV), "refused"),
+        ("TrackMatrixNV", (T.VERTEX_PROGRAM_NV, 0, T.MATRIX0_NV + 8, T.IDENTITY_NV), "refused"),
+        ("VertexAttrib3fNV", (1, 0.2, 0.4, 0.6), "refused"),
+        ("VertexAttrib2fNV", (5, 0.2, 0.4), "refused"),
         ("VertexAttrib1fNV", (16, 0.0), "error"),
         ("VertexAttribPointerNV", (17, 4, T.FLOAT, 0, None), "error"),
         ("VertexAttribPointerNV", (6, 4, T.FLOAT, 0, None), "refused"),
@@ -216,3 +300,15 @@ def test_programs_are_deleted():
     assert gl.IsProgramNV(5)
     gl.DeleteProgramsNV(1, [5])
     assert not gl.IsProgramNV(5) and gl.values["vertex program"] == 0
+
+
+def test_distance_changes_no_size_of_a_programs_points():
+    gl = Context(GEFORCE_3, *SIZE)
+    gl.PointSize(8.0)
+    gl.PointParameterfv(T.POINT_DISTANCE_ATTENUATION, [0.0, 0.0, 4.0])
+    assert gl.state().point.parameters is not None
+    load(gl, "!!VP1.0 MOV o[HPOS], v[OPOS]; MOV o[COL0], v[COL0]; END")
+    gl.Begin(T.POINTS)
+    gl.Vertex3f(0.0, 0.0, 0.0)
+    gl.End()
+    assert np.count_nonzero(picture(gl)[..., :3].any(axis=-1)) == 64
