@@ -143,6 +143,9 @@ def _with_half(environment, half, **changes):
     return environment._replace(**{half: getattr(environment, half)._replace(**changes)})
 
 
+_UNSCALED = (tokens.DOT3_RGB_EXT, tokens.DOT3_RGBA_EXT)
+
+
 @lru_cache(maxsize=1024)
 def environment_of(held: Environment) -> TextureEnvironment:
     """The TextureEnvironment for an Environment of tokens."""
@@ -155,7 +158,8 @@ def environment_of(held: Environment) -> TextureEnvironment:
             _FUNCTIONS[half.function],
             tuple([_SOURCES[source] for source in half.sources[:arguments]]),
             tuple([_OPERANDS[operand] for operand in half.operands[:arguments]]),
-            half.scale,
+            # ARB_texture_env_dot3, issue 2: the products of the EXT version are not scaled.
+            1.0 if half.function in _UNSCALED else half.scale,
         )
         for half in (held.rgb, held.alpha)
     ]

@@ -480,24 +480,23 @@ def color_mask(gl, *mask):
 
 # ----------------------------------------------------------------------------------------- whole framebuffers
 
-_BUFFERS = {
-    tokens.NONE,
-    tokens.FRONT_LEFT,
-    tokens.BACK_LEFT,
-    tokens.FRONT,
-    tokens.BACK,
-    tokens.LEFT,
-    tokens.FRONT_AND_BACK,
-    tokens.AUX0,
-}
+_OF_OBJECTS = (tokens.NONE, tokens.COLOR_ATTACHMENT0_EXT)
+_BUFFERS = {tokens.FRONT, tokens.FRONT_LEFT, tokens.BACK, tokens.BACK_LEFT, tokens.LEFT}
+_BUFFERS |= {tokens.FRONT_AND_BACK, tokens.AUX0}
 
 
 @entry("DrawBuffer")
 def draw_buffer(gl, buffer):
     """Set which colour buffer is written (section 4.2.1)."""
-    if buffer not in _BUFFERS:
-        raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
+    if buffer != tokens.NONE:
+        _check_buffer(buffer, gl.values["draw_framebuffer"])
     gl.values.set("draw_buffer", buffer)
+
+
+def _check_buffer(buffer, framebuffer):
+    """Raise GLError unless the window has a buffer, or a framebuffer object does (0: none is bound)."""
+    if buffer not in _BUFFERS and not (framebuffer and buffer in _OF_OBJECTS):
+        raise GLError(tokens.INVALID_OPERATION, f"the framebuffer has no buffer {tokens.name_of(buffer)}")
 
 
 @entry("DrawBuffers")
@@ -513,8 +512,7 @@ def draw_buffers(gl, count, buffers):
 @entry("ReadBuffer")
 def read_buffer(gl, buffer):
     """Set which colour buffer is read (section 4.3.2)."""
-    if buffer not in _BUFFERS or buffer == tokens.NONE:
-        raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
+    _check_buffer(buffer, gl.values["read_framebuffer"])
     gl.values.set("read_buffer", buffer)
 
 

@@ -187,6 +187,14 @@ def _leave(gl, number, surface):
             gl.drawable.stored["pbuffer", surface.name] = attachment.texture.version
 
 
+def define_attached(gl: Context, texture: TextureObject) -> None:
+    """Define a texture's image that the present framebuffer object draws into, if there is one."""
+    if (pbuffer := gl.values["pbuffer"]) is not None:
+        attachments = gl.shared.framebuffers[pbuffer[0]].attachments.values()
+        if any(attachment.texture is texture for attachment in attachments):
+            _leave(gl, *pbuffer)
+
+
 def _define(gl, attachment, surface):
     """Define a texture from the pbuffer, which is still current."""
     texture, label = attachment.texture, _label(gl)

@@ -14,6 +14,7 @@ from fixedpipe.pipeline.commands import CopyTexImage, CopyTexSubImage, DrawPixel
 from fixedpipe.pipeline.enums import ColorBuffer, InternalFormat
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry
+from fixedpipe.pipeline.opengl.framebuffer_objects import define_attached
 from fixedpipe.pipeline.opengl.internal_formats import COMPONENT_COUNTS, INDICES, Chosen, chosen_format
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.pixel_transfers import counts, transfer_of
@@ -291,6 +292,7 @@ def generate_mipmap(gl, target):
     if target not in TARGETS or target == tokens.TEXTURE_RECTANGLE_NV:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} has no mipmaps")
     texture = bound_object(gl, target)
+    define_attached(gl, texture)
     texture.settle()
     level = texture.parameters.base_level
     if texture.level(level) is None:
@@ -538,9 +540,10 @@ def _copy_into(gl, texture, face, level, offset, box, transfer):
     x, y, width, height = box
     if width <= 0 or height <= 0:
         return
-    base = texture.parameters.base_level
-    generates = texture.parameters.generate_mipmap and level == base and texture.target != tokens.TEXTURE_3D
-    generates = generates and layout.first == level and len(layout.levels) > 1
+    derives = texture.parameters.generate_mipmap and level == texture.parameters.base_level
+    derives = derives and texture.target != tokens.TEXTURE_RECTANGLE_NV
+    by_machine = derives and layout.first == level and not texture.is_volume
+    sizes = smaller_sizes(texture.images[face, level], False) if by_machine else []
     gl.commands.append(
         CopyTexSubImage(
             label=_said(gl),
@@ -553,18 +556,24 @@ def _copy_into(gl, texture, face, level, offset, box, transfer):
             height=height,
             level=level - layout.first,
             face=offset[2] if texture.target == tokens.TEXTURE_3D else face,
-            generate_mipmap=generates,
+            generate_mipmap=bool(sizes),
             transfer=transfer,
             read_buffer=buffer_read(gl),
         )
     )
-    positions = [(face, level)]
-    if generates:
-        positions = [key for key in texture.images if key[1] >= level]
-    for key in positions:
-        texture.images[key] = replace(texture.images[key], texels=None, patches=())
+    copied = [(face, level)]
+    if sizes:  # the machine now has all levels of all faces
+        copied = [key for key in texture.images if key[1] == level]
+        texture.stale = None
+    for of_face, _ in copied:
+        image = replace(texture.images[of_face, level], texels=None, patches=())
+        texture.images[of_face, level] = image
+        for above, size in enumerate(sizes, level + 1):
+            texture.images[of_face, above] = replace(image, size=size)
     mark_changed(gl, texture)
     texture.keep_copies(gl)
+    if derives and not by_machine:
+        after_images_changed(gl, texture, level)
 
 
 def _inside(gl, offset, box, transfer):

@@ -272,7 +272,12 @@ class TextureObject:
                     self.images[position] = held
                     self._layout = self._usable = None
                 return True
+        # Faces of another size or format are of no complete texture with this one.
+        for other, held in [*self.images.items()]:
+            if other[1] == level and other != position and (held.size != image.size or not held.like(image)):
+                del self.images[other]
         self.images[position] = zeros_like(image)
+        self._layout = self._usable = None
         return False
 
     # ------------------------------------------------------------------------------------ completeness
@@ -369,7 +374,7 @@ class TextureObject:
         for face, image in enumerate(faces):
             for level, smaller in enumerate(pyramid_above(image, self.is_volume), self.stale + 1):
                 self.images[face, level] = smaller
-        self.stale = None
+        self.stale = self._layout = self._usable = None
 
     @property
     def is_volume(self) -> bool:
@@ -460,12 +465,24 @@ class TextureObject:
                 texture = _with_mipmaps(texture, above, volume)
             return (TexImage(label=label, texture=name, image=texture),)
 
-        gl.commands.append(HostStep(label=label, reads=tuple(reads), commands=put_together))
-        self.stale = None
+        step = HostStep(label=label, reads=tuple(reads), commands=put_together)
+        gl.commands += self._in_the_window(gl, step)
+        made = range(0) if self.stale is None else range(self.stale + 1, layout.first + len(layout.levels))
         for position, image in self.images.items():
-            if image.patches:
+            if position[1] in made:  # only the machine knows them
+                self.images[position] = replace(image, texels=None, patches=())
+            elif image.patches:
                 self.images[position] = replace(image, patches=())
+        self.stale = None
         self.keep_copies(gl)
+
+    def _in_the_window(self, gl, step):
+        """The commands that carry out a HostStep, which needs the window to be current."""
+        from fixedpipe.pipeline.opengl.framebuffer_objects import made_current
+
+        if gl.values["pbuffer"] is None:
+            return (step,)
+        return made_current(step.label, None), step, made_current(step.label, gl.values["pbuffer"][1])
 
 
 _PALETTED = {

@@ -147,6 +147,7 @@ def delete_textures(gl, number, names):
             continue
         found = gl.shared.textures.pop(int(name), None)
         if found is not None:
+            mark(gl, found)
             for unit in _UNITS:
                 if gl.values["bound", found.target, unit] == name:
                     gl.values.set(("bound", found.target, unit), 0)

@@ -274,3 +274,44 @@ def test_mipmaps_of_what_was_drawn(gl):
     gl.GenerateMipmap(T.TEXTURE_2D)
     gl.TexParameteri(T.TEXTURE_2D, T.TEXTURE_BASE_LEVEL, 2)
     assert (textured(gl, 1) == BYTES[GREEN]).all()
+
+
+def test_mipmaps_of_what_is_drawn_while_the_object_is_bound(gl):
+    texture(gl, 1, levels=4)
+    gl.TexParameteri(T.TEXTURE_2D, T.TEXTURE_MAX_LEVEL, 3)
+    object_of(gl, 1, 1)
+    clear(gl, GREEN)
+    gl.GenerateMipmap(T.TEXTURE_2D)
+    gl.TexParameteri(T.TEXTURE_2D, T.TEXTURE_BASE_LEVEL, 2)
+    assert (textured(gl, 1) == BYTES[GREEN]).all()
+
+
+def test_a_changed_copy_is_read_while_an_object_is_bound(gl):
+    clear(gl, GREEN)
+    texture(gl, 1)
+    gl.CopyTexImage2D(T.TEXTURE_2D, 0, T.RGBA, 0, 0, 8, 8, 0)
+    gl.TexSubImage2D(T.TEXTURE_2D, 0, 0, 0, 1, 1, T.RGBA, T.UNSIGNED_BYTE, bytes(BYTES[GREEN]))
+    texture(gl, 2)
+    object_of(gl, 1, 2)
+    gl.BindTexture(T.TEXTURE_2D, 1)
+    gl.Enable(T.TEXTURE_2D)
+    rectangle(gl)
+    assert (textured(gl, 2) == BYTES[GREEN]).all()
+
+
+def test_buffers_of_an_object_and_of_the_window(gl):
+    texture(gl, 1)
+    gl.DrawBuffer(COLOR)
+    assert gl.error == T.INVALID_OPERATION
+    object_of(gl, 1, 1)
+    gl.DrawBuffer(T.NONE)
+    clear(gl, RED)
+    gl.DrawBuffer(COLOR)
+    clear(gl, GREEN)
+    gl.ReadBuffer(T.NONE)
+    assert gl.GetIntegerv(T.READ_BUFFER) == T.NONE
+    gl.ReadBuffer(COLOR)
+    assert len(list(gl.tally.of("error"))) == 1
+    assert (textured(gl, 1) == BYTES[GREEN]).all()
+    gl.ReadBuffer(T.NONE)
+    assert gl.GetIntegerv(T.READ_BUFFER) == T.BACK

@@ -17,6 +17,7 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.opengl import tokens as GL
+from fixedpipe.pipeline.opengl.environments import environment_of
 from fixedpipe.pipeline.opengl.context import Context
 from fixedpipe.pipeline.opengl.texture_objects import Parameters
 from fixedpipe.pipeline.opengl.texture_queries import (
@@ -588,3 +589,13 @@ def test_initial_parameters_are_opengls():
     _texture(gl, GL.TEXTURE_RECTANGLE_NV, 3, edge=3)
     gl.Enable(GL.TEXTURE_RECTANGLE_NV)
     assert object_named(gl, _unit(gl).texture).usable().target is TextureTarget.TEXTURE_RECTANGLE
+
+
+@pytest.mark.parametrize(("function", "scale"), [(GL.DOT3_RGB_EXT, 1.0), (GL.DOT3_RGB_ARB, 2.0)])
+def test_only_arbs_products_are_scaled(function, scale):
+    gl = context()
+    gl.TexEnvi(GL.TEXTURE_ENV, GL.TEXTURE_ENV_MODE, GL.COMBINE)
+    gl.TexEnvi(GL.TEXTURE_ENV, GL.COMBINE_RGB, function)
+    gl.TexEnvf(GL.TEXTURE_ENV, GL.RGB_SCALE, 2.0)
+    held = gl.values[("environment", 0)]
+    assert environment_of(held).rgb.scale == scale
