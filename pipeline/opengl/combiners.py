@@ -24,6 +24,7 @@ from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.parameters import Parameter, register_parameters
 from fixedpipe.pipeline.opengl.values import declare, section
 from fixedpipe.pipeline.programs.combiner_rules import combiner_problems
+from fixedpipe.pipeline.programs.texture_shader_rules import texture_shader_problems
 from fixedpipe.pipeline.state import (
     CombinerInput,
     DepthClamp,
@@ -296,9 +297,13 @@ for _unit in range(COORDINATE_SETS):
 def _texture_shader(gl, enabled, units, *stages):
     if not enabled:
         return None
-    # NV_texture_shader: a stage whose texture is incomplete acts like the operation NONE.
-    pairs = zip(units, stages, strict=False)
-    return tuple([TextureShaderStage() if unit is None else stage for unit, stage in pairs])
+    # NV_texture_shader: a stage whose texture is incomplete acts like the operation NONE. So does one that is
+    # inconsistent with the others.
+    made = [stage if unit else TextureShaderStage() for unit, stage in zip(units, stages, strict=False)]
+    while wrong := [number for number, _ in texture_shader_problems(made)]:
+        for number in wrong:
+            made[number] = TextureShaderStage()
+    return tuple(made)
 
 
 def set_texture_shader(gl, unit: int, name: int, given: Parameter) -> None:

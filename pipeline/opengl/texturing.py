@@ -500,6 +500,9 @@ for _unit in _UNITS:
     _of_unit(_unit)
 
 
+_NEAREST = {tokens.NEAREST, tokens.NEAREST_MIPMAP_NEAREST, tokens.NEAREST_MIPMAP_LINEAR}
+
+
 def sampler_of(profile: Any, found: Usable) -> Sampler:
     """The Sampler of an object. It has those parameters that apply to the object's format and target."""
     given, deep = found.parameters, found.format in DEPTH_TEXELS
@@ -510,12 +513,16 @@ def sampler_of(profile: Any, found: Usable) -> Sampler:
     # Assumed: cube maps, volumes, lines and words of 16 bits are filtered without anisotropy.
     anisotropic = flat and found.format not in FORMATS_OF_WORDS
     least, most = -1000.0, 1000.0
+    wraps = [_WRAPS[wrap] for wrap in (given.wrap_s, given.wrap_t, given.wrap_r)]
+    if compares and not {given.min_filter, given.mag_filter} - _NEAREST:
+        # Without a filter CLAMP reads the edge, and not the border, with which machines here do not compare.
+        wraps = [WrapMode.CLAMP_TO_EDGE if wrap is WrapMode.CLAMP else wrap for wrap in wraps]
     return Sampler(
         min_filter=_MIN_FILTERS[given.min_filter],
         mag_filter=_MIN_FILTERS[given.mag_filter],
-        wrap_s=_WRAPS[given.wrap_s],
-        wrap_t=_WRAPS[given.wrap_t],
-        wrap_r=_WRAPS[given.wrap_r],
+        wrap_s=wraps[0],
+        wrap_t=wraps[1],
+        wrap_r=wraps[2],
         border_color=given.border_color,
         compare_mode=_COMPARE_MODES[given.compare_mode] if compares else TextureCompareMode.NONE,
         compare_function=COMPARISONS[given.compare_function] if compares else ComparisonFunction.LEQUAL,

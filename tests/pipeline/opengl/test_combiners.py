@@ -6,14 +6,14 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 
-from fixedpipe.pipeline.enums import CombinerBias, CombinerScale
+from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, TextureShaderOperation
 from fixedpipe.pipeline.notations import register_combiners as rc
 from fixedpipe.pipeline.notations import texture_shaders as ts
 from fixedpipe.pipeline.notations.register_combiner_format import format_program
 from fixedpipe.pipeline.opengl import combiners as c
 from fixedpipe.pipeline.opengl import tokens as t
 from fixedpipe.pipeline.state import DepthClamp, RegisterCombiners, TextureShaderStage
-from tests.pipeline.opengl.drawn import context, refusals
+from tests.pipeline.opengl.drawn import context, refusals, textured
 from tests.support.combiner_strategies import register_combiners
 
 
@@ -270,6 +270,27 @@ def test_dot_products_of_texture_shaders():
     assert gl.values["texture shader", 3] == replace(eye, previous_texture_input=0)
     gl.TexEnvi(shader, t.SHADER_OPERATION_NV, t.OFFSET_PROJECTIVE_TEXTURE_2D_NV)
     assert "NV_texture_shader3" in refusals(gl)[0][0]
+
+
+def test_inconsistent_stages_of_texture_shaders_do_nothing():
+    """Here the last reads the second, which reads the first, which has no texture."""
+    gl = context()
+    shader = t.TEXTURE_SHADER_NV
+    textured(gl, 1, 2, 3)
+    gl.Enable(shader)
+    operations = (t.TEXTURE_2D, t.DEPENDENT_AR_TEXTURE_2D_NV, t.DEPENDENT_GB_TEXTURE_2D_NV, t.TEXTURE_2D)
+    for unit, operation in enumerate(operations):
+        gl.ActiveTexture(t.TEXTURE0 + unit)
+        gl.TexEnvi(shader, t.SHADER_OPERATION_NV, operation)
+        if unit in (1, 2):
+            gl.TexEnvi(shader, t.PREVIOUS_TEXTURE_INPUT_NV, t.TEXTURE0 + unit - 1)
+    none = TextureShaderOperation.NONE
+    assert [stage.operation for stage in gl.state().texture_shader] == [
+        *(none, none, none),
+        TextureShaderOperation.TEXTURE_2D,
+    ]
+    textured(gl, 0)
+    assert none not in [stage.operation for stage in gl.state().texture_shader]
 
 
 # ------------------------------------------------------------------------------------------- depths and hints

@@ -1,4 +1,4 @@
-"""Copies into textures whose other levels or faces are made by the machine, are missing, or have other sizes."""
+"""Copies into textures: levels that the machine makes, and faces and levels that are missing or differ."""
 
 import numpy as np
 import pytest
