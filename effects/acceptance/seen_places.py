@@ -147,6 +147,16 @@ def nearest(field, seen):
     return field[j % rows, i % columns]
 
 
+def named_texels(seen):
+    """What S_i shows as a picture: s in red and t in green of the middle of the texel that each texel sees,
+    black where it sees none: float64 [rows, columns, 3]. ``seen``: int [rows, columns], below zero: none.
+    """
+    rows, columns = seen.shape
+    out = np.zeros((rows, columns, 3))
+    out[..., 0], out[..., 1] = (seen % columns + 0.5) / columns, (seen // columns + 0.5) / rows
+    return np.where((seen >= 0)[..., None], out, 0.0)
+
+
 def still(picture, size):
     """A picture [rows, columns, 3] that fills a panel, by its nearest pixels: [size, size, 3]."""
     rows, columns = (np.floor((np.arange(size) + 0.5) / size * n).astype(np.int64) for n in picture.shape[:2])
@@ -159,7 +169,7 @@ def alike(shown, true, within):
 
 
 # From where a picture is wrong.  Inferred: a byte's rounding, which an eighth power multiplies by eight.
-_WITHIN = 8.0 / 255.0
+WITHIN = 8.0 / 255.0
 
 
 def shares_alike(figure, renderer, true):
@@ -173,7 +183,7 @@ def shares_alike(figure, renderer, true):
         window = renderer.window(on, figure, figure.size)
         yield (
             on,
-            min(alike(panel_of(window, k)[where], colors, _WITHIN) for k, (where, colors) in true.items()),
+            min(alike(panel_of(window, k)[where], colors, WITHIN) for k, (where, colors) in true.items()),
         )
 
 

@@ -1,5 +1,7 @@
 """The checks of diagrams: where marks are, and whether letters can be read."""
 
+from collections import Counter
+
 import numpy as np
 from PIL import ImageFont
 
@@ -88,3 +90,12 @@ def _round(glyph):
 def _is_text(command):
     units = command.state.texture_units if isinstance(command, Draw) else ()
     return any(unit is not None and unit.texture == drawing.FONT for unit in units)
+
+
+def missing_texts(figure, renderer, texts):
+    """How many of ``texts``, each as often as it is listed, a figure's commands do not write.
+
+    ``letters_check`` tells whether those that are written can be read.
+    """
+    commands = figure.commands(renderer.profile, figure.size, renderer.method)
+    return (Counter(texts) - Counter(c.label for c in commands if _is_text(c))).total()

@@ -12,9 +12,6 @@ NOT_SHOWN: set[tuple[str, int]] = {
     # The comparison's stairs, and highlights where red is held at full.
     ("H34", 5),
     ("H34", 6),
-    # Relief that is lost where nothing is normalized; light and shade that cross the stones' outlines.
-    ("S15", 2),
-    ("S15", 3),
 }
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
@@ -167,6 +168,20 @@ def checks(figure, renderer):
         yield DATA.check(
             "least gain of a later L's mean over the first's", float(min(gains[1:]) - gains[0]), on
         )
+        yield DATA.check(
+            "pixels of S1 to S3 that name the texel that is seen within 8/255, the least",
+            min(_named_alike(window, size, k, visibility.seen[k]) for k in range(LOOKUPS)),
+            on,
+        )
+
+
+def _named_alike(window, size, k, seen):
+    """The share of the pixels of S_k that name the texel that is seen, ``seen``: int [rows, columns]."""
+    x, y, share = SEEN
+    left, low, span = (round(v * size) for v in (x, y, share))
+    texel, first = np.arange(span) * len(seen) // span, (LOOKUPS - k) * size + left
+    named = seen_places.named_texels(seen)[np.ix_(texel, texel)]
+    return seen_places.alike(window[low : low + span, first : first + span], named, seen_places.WITHIN)
 
 
 FIGURE = Figure(

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import missing_texts
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
@@ -27,7 +28,7 @@ SECONDS = {
 _LEAST, _MOST = -3, 4
 _BOTTOM, _TOP = -0.44, 0.86
 _WIDTH = 0.15
-_COLORS = (BLUE, YELLOW)
+_COLORS, _GRID = (BLUE, YELLOW), (0.2, 0.21, 0.23)
 
 
 def height_of(seconds):
@@ -79,7 +80,7 @@ def _panel(view, times, background):
         lines.append(np.array([(-0.97, y), (0.97, y)]))
     return (
         view.panel.clear(background),
-        drawing.strokes("powers of ten", view, lines, (0.2, 0.21, 0.23), width=0.8),
+        drawing.strokes("powers of ten", view, lines, _GRID, width=0.8),
         *_bars(view, times),
         drawing.text("the paper's", view, (-0.95, 0.93), BLUE, align=(-1, 0)),
         drawing.text("ours", view, (-0.25, 0.93), YELLOW, align=(-1, 0)),
@@ -121,6 +122,28 @@ def checks(figure, renderer):
             on,
             at_most=1.1 * pixel,
         )
+    yield from _sheet_checks(figure, renderer)
+
+
+def _sheet_checks(figure, renderer):
+    """The texts of the table, and the lines of the scale left of the bars."""
+    texts = ["the paper's", "ours"] * len(SECONDS)
+    for times in SECONDS.values():
+        for step, pair in zip(STEPS, times, strict=True):
+            texts += [step, *map(in_words, pair), f"x {pair[0] / pair[1]:.0f}"]
+    yield DATA.check(
+        "texts of the table that are not written", missing_texts(figure, renderer, texts), Answer.MACHINE
+    )
+    size, powers = figure.size, np.arange(_MOST - _LEAST)
+    heights = _BOTTOM + powers / (_MOST - _LEAST) * (_TOP - _BOTTOM)
+    rows, column = ((heights + 1.0) / 2.0 * size).astype(int), int((1.0 - 0.93) / 2.0 * size)
+    for on in Answer:
+        picture = renderer.window(on, figure, size)
+        apart = max(
+            float(np.abs(panel_of(picture, k)[rows, column] - np.array(_GRID)).max())
+            for k in range(len(SECONDS))
+        )
+        yield DATA.check("colours of the powers of ten at their heights, largest difference", apart, on)
 
 
 FIGURE = Figure(

@@ -4,10 +4,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing, pass_graph
+from fixedpipe.effects.diagrams.checks import missing_texts
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -132,25 +134,33 @@ def _arrows(view, steps):
     return out
 
 
+def _texts_of(number, step, count):
+    """What is written beside a step: its S_k if it has one, in a list, and a line for each command."""
+    named = []
+    if step.dependent:
+        coordinates = step.dependent[0].coordinates
+        by = "a texture" if isinstance(coordinates, pass_graph.Picture) else coordinates.value
+        named.append(f"S_{count - 1 - number}\n{by}")
+    return named, [short(c.label) for c in step.commands if not isinstance(c, Clear)]
+
+
 def _column(view, number, step, count):
     """A step: its S_k and what is in it above, its picture, its commands below."""
     x, out = _STEPS_X[number], []
-    if step.dependent:
+    named, lines = _texts_of(number, step, count)
+    if named:
         k = count - 1 - number
-        coordinates = step.dependent[0].coordinates
-        by = "a texture" if isinstance(coordinates, pass_graph.Picture) else coordinates.value
         down = [(x, _SEEN_Y - _SEEN_HALF), (x, _STEP_Y + _STEP_HALF)]
         right = (x + _SEEN_HALF, _SEEN_Y + _SEEN_HALF)
         out += (
             *_boxed(f"S_{k} as a picture", view, x, _SEEN_Y, _SEEN_HALF, _seen_name(k), YELLOW),
             drawing.arrow("its texels are coordinates", view, down, YELLOW, width=2.6),
-            drawing.text(f"S_{k}\n{by}", view, right, YELLOW, align=(-1, 1), offset=(5.0, -2.0)),
+            drawing.text(named[0], view, right, YELLOW, align=(-1, 1), offset=(5.0, -2.0)),
         )
     out += _boxed(f"what step {number} leaves", view, x, _STEP_Y, _STEP_HALF, f"step {number}", INK)
-    drawn = [command for command in step.commands if not isinstance(command, Clear)]
-    for row, command in enumerate(drawn):
+    for row, line in enumerate(lines):
         at = (x - 0.62, _TEXT_Y - _LINE * row)
-        out.append(drawing.text(short(command.label), view, at, FAINT if row else INK, align=(-1, 0)))
+        out.append(drawing.text(line, view, at, FAINT if row else INK, align=(-1, 0)))
     return out
 
 
@@ -236,6 +246,40 @@ def checks(figure, renderer):
         yield DATA.check("largest RMS of a step's box - the same step in float64", max(errors), on)
         yield DATA.check(
             "what the last step leaves, over what the first does, mean", brighter[-1] / brighter[0], on
+        )
+    yield from _graph_checks(figure, renderer, steps, setup)
+
+
+def _in_its_box(window, view, number, edge):
+    """The pixels of a step's S_k within its box's stroke, and which rows and columns of texels they show."""
+    x, y, half = _STEPS_X[number], _SEEN_Y, _SEEN_HALF
+    low, high = (drawing.project(view, (x + s * half, y + s * half))[:2] for s in (-1.0, 1.0))
+    ends = list(zip(low, high, strict=True))
+    at = [np.arange(int(np.ceil(a)) + 3, int(np.floor(b)) - 3) for a, b in ends]
+    column, row = (
+        np.floor((k + 0.5 - a) / (b - a) * edge).astype(int) for k, (a, b) in zip(at, ends, strict=True)
+    )
+    return window[np.ix_(at[1], at[0])], row, column
+
+
+def _graph_checks(figure, renderer, steps, setup):
+    """The texts of the graph, and each S_k's picture."""
+    texts, size = ["L"] * LOOKUPS, figure.size
+    for number, step in enumerate(steps):
+        named, lines = _texts_of(number, step, len(steps))
+        texts += [text.replace("\n", " ") for text in (*named, *lines)]
+    yield DATA.check(
+        "texts of the graph that are not written", missing_texts(figure, renderer, texts), Answer.MACHINE
+    )
+    view = drawing.sheet(row_of_panels(1, size, ASPECT)[0])
+    for on in Answer:
+        window, shares = renderer.window(on, figure, size), []
+        for number in range(1, LOOKUPS + 1):
+            shown, row, column = _in_its_box(window, view, number, setup.field.columns)
+            named = seen_places.named_texels(setup.visibility.seen[LOOKUPS - number])
+            shares.append(seen_places.alike(shown, named[np.ix_(row, column)], seen_places.WITHIN))
+        yield DATA.check(
+            "pixels of an S_k that name the texel that is seen within 8/255, the least", min(shares), on
         )
 
 

@@ -54,6 +54,10 @@ def checks(figure, renderer):
         reflecting.reflections_by_rays(surface, reflecting.camera(panel, values[name]), 0.3)
         for panel, name in ((panels[0], "front"), (panels[1], "behind"))
     )
+    backdrops = [
+        reflecting.backdrop_by_rays(surface, reflecting.camera(panel, values[name]))
+        for panel, name in zip(panels, ("front", *("behind",) * 3), strict=True)
+    ]
     for on, (bound, reason) in (
         (Answer.IDEAL, (1.15, _MESH)),
         (Answer.MACHINE, (1.2, _BYTES)),
@@ -73,6 +77,8 @@ def checks(figure, renderer):
                 reason=reason,
             )
         yield DATA.check("sphere map from its own eye, against rays, RMS degrees", off(0, front), on)
+        behind_all = max(off(k, backdrop) for k, backdrop in enumerate(backdrops))
+        yield DATA.check("the environment behind, against rays, largest RMS degrees", behind_all, on)
     yield DATA.check(
         "sphere map from the other eye, against rays, RMS degrees", off(1, behind), Answer.MACHINE
     )

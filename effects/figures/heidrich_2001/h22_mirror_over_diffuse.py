@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.data_files import figure_data
@@ -21,7 +22,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import cube_maps, surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
-from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, MODULATE, draw
 from fixedpipe.effects.passes.encoding import colors_of, factor_texels
 from fixedpipe.effects.radiosity import light_maps, small_room
@@ -154,6 +155,45 @@ def ball_by_rays(view):
     return normals.reshape(square), -along.reshape(square), inside.reshape(size, size)
 
 
+def walls_by_rays(view, shown, maps):
+    """Of each rectangle that rays meet apart from the ball: which pixels show it, bool [size, size].
+
+    Then its light there, its map's mean, and its light with the map upside down: float64 [n, 3] each.
+    """
+    size, eye = view.panel.height, np.array(view.eye)
+    _, along = primary_rays(view)
+    number, s, t = light_maps.nearest(shown, np.broadcast_to(eye, along.shape), along)
+    to_ball = np.array(MIDDLE) - eye
+    past = np.sqrt(np.maximum(dot(to_ball, to_ball) - dot(normalize(along), to_ball) ** 2, 0.0))
+    inner, own = (past > 1.1 * RADIUS).reshape(size, size), number.reshape(size, size)
+    for axis in (0, 1):
+        for step in (-2, -1, 1, 2):
+            inner = inner & (np.roll(own, step, axis) == own)
+    for k, rectangle in enumerate(shown):
+        at = (number == k) & inner.ravel()
+        if at.any():
+            texels = maps[rectangle.name]
+            whole, turned = (light_maps.look_up(v, s[at], t[at]) for v in (texels, texels[::-1]))
+            mean = np.broadcast_to(texels.mean(axis=(0, 1)), whole.shape)
+            yield at.reshape(size, size), whole, mean, turned
+
+
+def _wall_checks(figure, renderer):
+    """The room's light maps in the first panel."""
+    size, k_d = figure.size, figure.values["k_d"]
+    shown, maps, _, _ = solved(detail(size)[1], 256, figure.values["exposure"])
+    walls = list(walls_by_rays(camera(Panel(0, 0, size, size)), shown, maps))
+    for on in Answer:
+        panel, shares = panel_of(renderer.window(on, figure, size), 0), []
+        for at, whole, *others in walls:
+            # Bytes tell nothing of a change that is nowhere seen.
+            seen = [k_d * other for other in others if np.abs(whole - other).max() > 8.0 / 255.0]
+            shares += [least_share(panel[at], k_d * whole, other) for other in seen]
+        yield DATA.check(
+            "walls: of what their light maps change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """The ball against the equation at each pixel, and what either way loses to rounding."""
     size, values = 160, figure.values
@@ -205,6 +245,7 @@ def checks(figure, renderer):
         255.0 * np.abs(machine[3] - machine[2]).max(),
         Answer.MACHINE,
     )
+    yield from _wall_checks(figure, renderer)
 
 
 FIGURE = Figure(

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import gloss_map
@@ -10,7 +11,7 @@ from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import material_textures
 
 DATA = figure_data(__file__, "K02")
@@ -47,14 +48,37 @@ def scene(
     return tuple(out)
 
 
+def _by_pixels(size, p):
+    """Both spheres in float64, by rays: of each which pixels show it, and their colours."""
+    view = orthographic_view(Panel(0, 0, size, size), half_height=1.1)
+    seen = seen_places.surface(surfaces.sphere().with_repeats(4, 2), view)
+    toward = seen_places.unit(np.array(p["light"]))
+    half = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
+    normals, _, _ = height_fields.frames(*height_fields.pebble_slopes(256, p["cells"], p["depth"]))
+    found = seen_places.looked_up(normals, seen)
+    cosine, power = ((found * (seen.frames @ vector)).sum(axis=-1) for vector in (toward, half))
+    # The highlight ends where the sphere itself turns away from the light.
+    highlight = np.clip(8.0 * (seen.frames[:, 2] @ toward), 0.0, 1.0) * np.maximum(power, 0.0) ** 8
+    lit = np.maximum(cosine, 0.0)[:, None] * np.array(p["diffuse"]) + np.array(p["ambient"])
+    for gloss in (np.ones((256, 256)), _checkered_gloss(256, 4, p["dull"], p["polished"])):
+        yield seen.where, lit + (seen_places.looked_up(gloss, seen) * highlight)[:, None]
+
+
 def checks(figure, renderer):
-    """The highlight under the gloss map is the plain one times k_s."""
+    """Both spheres by rays; the highlight under the gloss map is the plain one times k_s."""
+    true = dict(enumerate(_by_pixels(figure.size, figure.values)))
     size = 256
     parameters = figure.values
     image = renderer.ideal_window(figure, size, **DARK)[..., 0]
     plain, glossy = image[:, :size], image[:, size:]
     ratio = glossy[plain > 0.05] / plain[plain > 0.05]
     return (
+        *(
+            DATA.check(
+                "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+            )
+            for on, share in seen_places.shares_alike(figure, renderer, true)
+        ),
         DATA.check(
             "smallest ratio of highlights - k_s of dull checks",
             abs(ratio.min() - parameters["dull"]),

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
@@ -15,7 +16,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, EDGE, LATER_PASS
 from fixedpipe.effects.reflectance import (
     blinn_phong_by_host,
@@ -116,6 +117,24 @@ def _bright_areas(image, columns, threshold):
     return np.array([(c >= threshold).sum() for c in np.split(image, columns, axis=1)], float)
 
 
+def _diffuse_checks(figure, renderer):
+    """The domes without highlights, pixel by pixel."""
+    values, size = figure.values, figure.size
+    seen = seen_places.square(size, values["extent"])
+    material = domes(**{name: values[name] for name in _MATERIAL})
+    toward = seen_places.unit(np.array(values["light"]))
+    cosine = np.maximum(seen_places.looked_up(material.normals, seen) @ toward, 0.0)
+    true = cosine[:, None] * np.array(values["diffuse"]) + np.array(values["ambient"])
+    for on in Answer:
+        window = renderer.window(on, figure, size, specular=(0.0, 0.0, 0.0))
+        panels = [panel_of(window, k)[seen.where] for k in (0, 1)]
+        yield DATA.check(
+            "without highlights: pixels that show (n.l)+ within 8/255, the least of the panels",
+            min(seen_places.alike(panel, true, seen_places.WITHIN) for panel in panels),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """The models themselves, the highlights' sizes from column to column, K07 at N = 2, and the machine."""
     p = figure.values
@@ -166,6 +185,7 @@ def checks(figure, renderer):
         Answer.IDEAL,
     )
     yield arithmetic_check(figure, renderer, *bounds["arithmetic"])
+    yield from _diffuse_checks(figure, renderer)
 
 
 _MATERIAL = ("map_size", "exponents", "rim_radius", "alpha_x", "alpha_y", "spread", "k_s")

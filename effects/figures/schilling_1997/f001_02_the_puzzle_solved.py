@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
@@ -95,6 +96,11 @@ def checks(figure, renderer):
         )
         yield DATA.check(
             "one probe: contrast across the short axis, over that of 256 samples", contrast[0], on
+        )
+        yield DATA.check(
+            "256 samples: pixels of the last strip that show them within 8/255",
+            seen_places.alike(_strip(image, views[-1]), truth, seen_places.WITHIN),
+            on,
         )
     yield from _shimmer(figure, renderer, page)
     footprints, exact = written.footprints(views[0], written.page_edge(size)), renderer.method is _EXACT

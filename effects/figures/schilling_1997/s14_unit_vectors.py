@@ -1,10 +1,14 @@
 """S14: one bump map on a ring, few and many times, in the natural frame and in one of unit vectors."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.distant_light import shone
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import blinn, normalization_cube_map, offset_vector_passes, offset_vectors
 from fixedpipe.effects.bump_mapping.offset_vector_passes import Lighting
@@ -16,7 +20,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.scenes.bumped_patches import ring
 
 DATA = figure_data(__file__, "S14")
@@ -24,6 +28,7 @@ DATA = figure_data(__file__, "S14")
 _MAP, _CUBE = 128, 128
 _MAP_NAME = "pebbles"
 _HALF_HEIGHT, _TILT = 1.08, 52.0
+_RADIUS, _TUBE = 0.68, 0.32
 # Of each panel: whether vectors are of length one, and which number of repeats it has.
 _PANELS = ((False, 0), (False, 1), (True, 0), (True, 1))
 
@@ -39,7 +44,7 @@ def derivatives(height, own, own_scale):
 
 def _ring(size):
     around = max(24, min(96, size // 5))
-    return ring(around, around // 2, 0.68, 0.32).rotated(rotation("x", _TILT))
+    return ring(around, around // 2, _RADIUS, _TUBE).rotated(rotation("x", _TILT))
 
 
 def _repeated(patch, repeats, which):
@@ -108,6 +113,40 @@ def _slopes(p, of_unit_length, which):
     return root_mean_square(np.sqrt(dot(added, added) / dot(frame.normal, frame.normal)))
 
 
+def _by_rays(size, p, seen, of_unit_length, which, heights):
+    """A panel's light where rays meet the ring, in float64: [n, 3]. ``heights``: the map's derivatives."""
+    u, v = (count * (p["repeats"][2] if which else 1) for count in p["repeats"][:2])
+    slopes = seen_places.looked_up(heights, replace(seen, s=seen.s * u, t=seen.t * v))
+    if not of_unit_length:
+        # How far a step of the map leads: round the axis, and round the tube.
+        away = _RADIUS + _TUBE * np.cos(2.0 * np.pi * (seen.t - 0.5))
+        slopes = slopes / (2.0 * np.pi * np.stack([away / u, np.full_like(away, _TUBE / v)], axis=-1))
+    tangents, binormals, normals = np.moveaxis(seen.frames, 1, 0)
+    return shone(seen_places.unit(normals - slopes[:, :1] * tangents - slopes[:, 1:] * binormals), p)
+
+
+def _displayed_checks(figure, renderer):
+    """Each panel beside its own map upside down, and beside the other frame."""
+    size, p = figure.size, dict(figure.values)
+    view = orthographic_view(Panel(0, 0, size, size), _HALF_HEIGHT)
+    seen = seen_places.surface(_ring(size).surface, view)
+    heights = derivatives(p["height"], p["height_field"], p["height_scale"])
+    true = [
+        (
+            _by_rays(size, p, seen, unit, which, heights),
+            _by_rays(size, p, seen, unit, which, heights[::-1]),
+            _by_rays(size, p, seen, not unit, which, heights),
+        )
+        for unit, which in _PANELS
+    ]
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        shares = [least_share(panel_of(window, k)[seen.where], *of) for k, of in enumerate(true)]
+        yield DATA.check(
+            "of the map's way up and of the frame's lengths, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """How steep bumps are where the map is scaled: of the frames by themselves, and in the pictures."""
     p, size = dict(figure.values), 256
@@ -139,6 +178,7 @@ def checks(figure, renderer):
             name=name,
             expected=expected,
         )
+    yield from _displayed_checks(figure, renderer)
 
 
 FIGURE = Figure(

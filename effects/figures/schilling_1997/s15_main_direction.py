@@ -4,7 +4,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.distant_light import shone
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import blinn, normalization_cube_map, offset_vector_passes, offset_vectors
 from fixedpipe.effects.bump_mapping.offset_vector_passes import Lighting
@@ -199,20 +202,75 @@ _NEAR = {
 }
 
 
-def in_float(size, p):
-    """The globe's light at every pixel, and which pixels lie well on it: float64 [size, size, 3], bool."""
+def _offset_normals(size, g):
+    """n + g_1 e_1 + g_2 e_2 at every pixel of the globe, and which pixels lie well on it: bool.
+
+    Vectors are float64 [size, size, 3].
+    """
     x, y = pixel_grid(size, 1.0 / _HALF_HEIGHT)
     square = 1.0 - x * x - y * y
     normals = np.stack([x, y, np.sqrt(np.maximum(square, 0.0))], axis=-1)
     back = rotate(rotation("x", -_TILT), normals)
     s = np.arctan2(back[..., 0], back[..., 2]) / (2.0 * np.pi) + 0.5
     t = np.arcsin(np.clip(back[..., 1], -1.0, 1.0)) / np.pi + 0.5
-    g = _maps(size, p)[0]
     g = np.stack([blinn.interpolated(g[..., k], s, t) for k in range(2)], axis=-1)
     east = normalize(np.cross(np.broadcast_to(axis(), normals.shape), normals))
-    north = np.cross(normals, east)
-    bumped = normalize(normals + g[..., :1] * east + g[..., 1:] * north)
-    return np.clip(_lighting(p).radiance(bumped), 0.0, 1.0), square > 0.1
+    return normals + g[..., :1] * east + g[..., 1:] * np.cross(normals, east), square > 0.1
+
+
+def in_float(size, p):
+    """The globe's light at every pixel, and which pixels lie well on it: float64 [size, size, 3], bool."""
+    bumped, inside = _offset_normals(size, _maps(size, p)[0])
+    return np.clip(_lighting(p).radiance(normalize(bumped)), 0.0, 1.0), inside
+
+
+def _not_normalized(size, p, g):
+    """The second globe's light at pixels well on it, [n, 3], and these pixels."""
+    bumped, inside = _offset_normals(size, g)
+    cosine = np.clip(bumped[inside] @ seen_places.unit(np.array(p["light"])), 0.0, 1.0)
+    return np.array(p["ambient"]) + cosine[:, None] * np.array(p["color"]), inside
+
+
+def _sheets_in_float(size, p, field):
+    """Both sheets' light from their equation, [n, 3] each, and the pixels well on them."""
+    half, bulge = 0.95, 0.35
+    x, y = pixel_grid(size, half / _HALF_HEIGHT)
+    where = np.maximum(np.abs(x), np.abs(y)) < 0.97
+    x, y = x[where], y[where]
+    p_u = np.stack([0.0 * x + 2.0 * half, 0.0 * x, -2.0 * bulge * x], axis=-1)
+    p_v = np.stack([0.0 * x, 0.0 * x + 2.0 * half, -2.0 * bulge * y], axis=-1) + p["shear"] * p_u
+    normals, t = seen_places.unit(np.cross(p_u, p_v)), (y + 1.0) / 2.0
+    s = ((x + 1.0) / 2.0 - p["shear"] * (t - 0.5)) * p["repeats"][0]
+    place = seen_places.Seen(where, s, t * p["repeats"][1], np.empty((len(s), 3, 3)))
+    f = seen_places.looked_up(field, place)
+    east = seen_places.unit(np.cross(np.array(p["main"]), normals))
+    frames = (np.cross(normals, p_v), np.cross(p_u, normals)), (-east, -np.cross(normals, east))
+    light = []
+    for first, second in frames:
+        offsets = f[:, :1] * seen_places.unit(first) + f[:, 1:] * seen_places.unit(second)
+        light.append(shone(seen_places.unit(normals + offsets), p))
+    return light, where
+
+
+def _relief_checks(figure, renderer, size, changes):
+    """The second globe beside its land upside down; each sheet beside its stones so, and the other frame."""
+    p = dict(figure.values)
+    g, _, f, _ = _maps(size, p)
+    (globe_true, inside), (globe_turned, _) = (_not_normalized(size, p, v) for v in (g, g[::-1]))
+    (true, where), (turned, _) = (_sheets_in_float(size, p, v) for v in (f, f[::-1]))
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size, **changes), 0.0, 1.0)
+        yield DATA.check(
+            "not normalized: of the land's way up, the share that is seen",
+            least_share(panel_of(window, 1)[inside], globe_true, globe_turned),
+            on,
+        )
+        shares = [
+            least_share(panel_of(window, 2 + k)[where], true[k], turned[k], true[1 - k]) for k in (0, 1)
+        ]
+        yield DATA.check(
+            "sheets: of the stones' way up and of the frame, the least share that is seen", min(shares), on
+        )
 
 
 def _displaced(p):
@@ -306,6 +364,8 @@ def checks(figure, renderer):
                 reason="at right angles both frames are one, but for the sheet's bulge; aslant u's and v's "
                 "vectors follow the stones and an orthonormal frame does not",
             )
+    if way != _OFFSETS:  # there one matrix, a secant, serves a part of the surface
+        yield from _relief_checks(figure, renderer, size, {**fine, **dark})
 
 
 FIGURE = Figure(

@@ -2,8 +2,11 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
 from fixedpipe.effects.figures import own_maps
@@ -12,7 +15,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, own_normals, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, perspective_view, row_of_panels
 
 DATA = figure_data(__file__, "F003-9")
 
@@ -89,6 +92,44 @@ def offset_scene(profile, size, *, tint, second_pass, **metal):
     return tuple(out)
 
 
+def _by_rays(size, p):
+    """The clean ring by rays, in float64: which pixels show it, bool [size, size], bottom row first.
+
+    Then what they mirror, what a ring without bumps mirrors, and the first's mean: [n, 3], [n, 3] and [3].
+    """
+    view = perspective_view(Panel(0, 0, size, size), EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
+    seen = seen_places.surface(_surface(size), view)
+    along = primary_rays(view)[1].reshape(size, size, 3)[seen.where]
+    to_eye = -seen_places.unit(along)
+
+    def mirrored(normals):
+        toward = 2.0 * (normals * to_eye).sum(axis=-1, keepdims=True) * normals - to_eye
+        return environments.room(toward) * np.array(p["tint"])
+
+    bumps = seen_places.looked_up(waves(texels(size), p["relief"]), seen)
+    whole = mirrored(seen_places.unit((bumps[:, None] @ seen.frames)[:, 0]))
+    return seen.where, whole, mirrored(seen.frames[:, 2]), whole.mean(axis=0)
+
+
+def _displayed_checks(figure, renderer):
+    """What the first ring mirrors, and the room behind the three."""
+    size = figure.size
+    where, *true = _by_rays(size, figure.values)
+    near = where.copy()
+    for axis in (0, 1):
+        near = np.any([np.roll(near, step, axis) for step in range(-2, 3)], axis=0)
+    for on in Answer:
+        panels = [panel_of(np.clip(renderer.window(on, figure, size), 0.0, 1.0), k) for k in range(3)]
+        behind = [np.abs(panel - panels[0])[~near].max() for panel in panels[1:]]
+        yield DATA.check("the room behind, off the first panel's, largest", float(max(behind)), on)
+        if renderer.method.name != "offsets of a sphere map":  # its offsets are secants
+            yield DATA.check(
+                "clean ring: of what room and bumps change, the least share that is seen",
+                least_share(panels[0][where], *true),
+                on,
+            )
+
+
 def checks(figure, renderer):
     """That the third panel is the first times the second, and that both differ from it."""
     size = 128
@@ -112,6 +153,7 @@ def checks(figure, renderer):
             Answer.MACHINE,
         ),
         arithmetic_check(figure, renderer, 0.019, "8-bit normals, as F003-8's; a third of slack"),
+        *_displayed_checks(figure, renderer),
     )
 
 

@@ -5,40 +5,40 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import shadow_reference
-from fixedpipe.effects.acceptance.agreement import lit_mask, truth_of
+from fixedpipe.effects.acceptance.agreement import compare, cosines, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import count_checks, expected_counts
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Scene, detail_of, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_volumes
-from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import AMBIENT, LAMP_COLOR, SceneShading, lit_pass, unlit_pass
 
 DATA = figure_data(__file__, "Z23")
 
+# The grey of closed things, and the floor's, on which a box's top is seen.
+_GREY = {True: 0.9, False: 0.6}
+
 
 def _shown_counts(profile, objects, view, lamp, counts, colors):
-    """The scene in grey, lit from the eye, times a colour for each count.
-
-    The floor is darker, so that a box's top is seen on it.
-    """
+    """The scene in grey, lit from the eye, times a colour for each count."""
     grey = Scene(
-        tuple(
-            replace(thing, color=(0.9 if thing.closed else 0.6,) * 3, specular=0.0)
-            for thing in objects.objects
-        )
+        tuple(replace(thing, color=(_GREY[thing.closed],) * 3, specular=0.0) for thing in objects.objects)
     )
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
-    from_the_eye = Lamp(view.eye, (0.0, 0.0, 0.0), 0.1, 40.0)
     return (
         *unlit_pass(grey, view),
         *counts(volumes, view, shadow_volumes.counting_operations(profile)),
-        *lit_pass(grey, view, from_the_eye, label="light from the eye"),
+        *lit_pass(grey, view, _from_the_eye(view), label="light from the eye"),
         *shadow_volumes.show_counts(view.panel, colors),
     )
+
+
+def _from_the_eye(view):
+    return Lamp(view.eye, (0.0, 0.0, 0.0), 0.1, 40.0)
 
 
 def scene(profile, size, *, light, infinite, colors, background, shading):
@@ -70,6 +70,21 @@ def coloured_counts(picture, colors):
     return np.abs(green[..., None] - of_colors).argmin(axis=-1)
 
 
+def _least_eye_light(picture, objects, truth):
+    """Of the light from the eye that grey things send back, the least share that one of them shows.
+
+    By red: the counts' colours leave it as it is up to two.
+    """
+    sent = LAMP_COLOR[0] * np.maximum(cosines(replace(truth, lamp=_from_the_eye(truth.view))), 0.0)
+    shares = []
+    for number, thing in enumerate(objects.objects):
+        at = truth.shown.object == number
+        if at.any():
+            found = picture[..., 0][at] / _GREY[thing.closed] - AMBIENT[0]
+            shares.append(float((found * sent[at]).sum() / (sent[at] ** 2).sum()))
+    return min(shares)
+
+
 def checks(figure, renderer):
     """Counts against rays, and one algorithm's picture against the other's."""
     size = 256
@@ -88,6 +103,18 @@ def checks(figure, renderer):
         mask = lit_mask(picture)
         alike = mask[:, :size] == mask[:, 3 * size :]
         yield DATA.check("pixels that z-pass and z-fail draw alike", float(alike.mean()), on)
+        for k, name in ((0, "z-pass"), (3, "z-fail")):
+            yield DATA.check(
+                "{name}: displayed pixels lit or not unlike the rays', not on an edge",
+                compare(panel_of(mask, k), truth).other,
+                on,
+                name=name,
+            )
+        yield DATA.check(
+            "counts: of the light from the eye, the least share that a thing shows",
+            min(_least_eye_light(panel_of(picture, k), objects, truth) for k in (1, 2)),
+            on,
+        )
         for k, name in ((1, "z-pass"), (2, "z-fail")):
             shown = coloured_counts(picture[:, k * size : (k + 1) * size], figure.values["colors"])
             yield DATA.check(

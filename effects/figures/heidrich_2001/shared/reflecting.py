@@ -89,3 +89,15 @@ def degrees_off(colors, toward):
     """Angles between the directions that colours encode and unit vectors: degrees [...]."""
     found = normalize(2.0 * colors - 1.0)
     return np.degrees(np.arccos(np.clip(dot(found, toward), -1.0, 1.0)))
+
+
+def backdrop_by_rays(surface, view):
+    """Unit vectors along the rays through the pixels' centres [size, size, 3], and which rays meet nothing
+    within two pixels: bool [size, size].
+    """
+    size = view.panel.height
+    _, along = primary_rays(view)
+    near = normals_by_rays(surface, view)[2]
+    for axis in (0, 1):
+        near = np.any([np.roll(near, step, axis) for step in range(-2, 3)], axis=0)
+    return normalize(along).reshape(size, size, 3), ~near
