@@ -3,6 +3,7 @@
 import json
 import sys
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 
 import click
@@ -101,7 +102,8 @@ def replay(
     context = click.get_current_context()
     with refusals():
         asked = FramesAsked.of(frames)
-    window = _size(size)
+    with refusals():
+        window = _size(size)
     if list_only:
         names = "frames", "out", "checked", "beside", "page", "script", "video", "fps", "threads"
         refuse_ignored(context, names, "--list draws nothing; leave it out")
@@ -298,9 +300,13 @@ def _write_video(files, pictures):
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.reports.files import written_whole
 
+    started = next(pictures, None)
+    if started is None:
+        return  # a sentence says which frames the trace lacks
+
     def same_size():
         first = None
-        for picture in pictures:
+        for picture in chain((started,), pictures):
             first = picture.shape if first is None else first
             if picture.shape != first:
                 raise Refusal("The frames have several sizes, and an animation has one; give --size.")

@@ -18,14 +18,21 @@ from fixedpipe.pipeline.traces.calls import Trace, TraceError
 class _Counted:
     """A file that counts the bytes that were read from it."""
 
-    def __init__(self, file: BinaryIO):
-        self._file, self.place = file, 0
+    def __init__(self, file: BinaryIO, path: str):
+        self._file, self._path, self.place = file, path, 0
 
     def read(self, size: int) -> bytes:
-        """As ``read`` of a file."""
-        data = self._file.read(size)
+        """As ``read`` of a file. Raises Refusal where that raises OSError."""
+        try:
+            data = self._file.read(size)
+        except OSError as error:
+            raise _unreadable(self._path, error) from error
         self.place += len(data)
         return data
+
+
+def _unreadable(path, error):
+    return Refusal(f"{path} cannot be read: {error.strerror}.")
 
 
 @contextmanager
@@ -39,19 +46,17 @@ def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
             with Trace("-") as trace:
                 yield trace, lambda: None
             return
-        with open(path, "rb") as file:
-            counted = _Counted(file)
+        try:
+            file = open(path, "rb")  # noqa: SIM115 - errors of the caller's are not the file's
+        except OSError as error:
+            raise _unreadable(path, error) from error
+        except ValueError as error:
+            raise Refusal(f"{path!r} is no name of a file: {error}.") from error
+        with file, Trace(counted := _Counted(file, path)) as trace:
             size = os.fstat(file.fileno()).st_size
-            with Trace(counted) as trace:
-                yield trace, lambda: counted.place / size if size else None
+            yield trace, lambda: counted.place / size if size else None
     except TraceError as error:
         raise Refusal(f"{path}: {error}") from error
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
-    except ValueError as error:
-        if isinstance(error, Refusal):
-            raise
-        raise Refusal(f"{path!r} is no name of a file: {error}.") from error
 
 
 def frames_of(

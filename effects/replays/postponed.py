@@ -11,7 +11,17 @@ from fixedpipe.pipeline.commands import Bitmap, Clear, Command, Draw, DrawPixels
 
 # Commands that read colours, depths and stencil values only at their own pixels.
 _WAITING = (Clear, Draw, DrawPixels, Bitmap, TexImage)
-_MOST_WAITING = 20_000  # the limit for a program that clears nothing
+# The limits for a program that clears nothing. An image's texels are bytes or floats.
+_MOST_WAITING, _MOST_BYTES = 20_000, 1 << 27
+
+
+def _bytes_of(command):
+    """How many bytes the images of a command have."""
+    image = getattr(command, "image", None)
+    if image is None:
+        image = getattr(command, "pixels", None)
+    arrays = getattr(image, "levels", None) or (getattr(image, "values", None),)
+    return sum(array.nbytes for array in arrays if array is not None)
 
 
 class Postponed:
@@ -19,17 +29,20 @@ class Postponed:
 
     def __init__(self):
         self._parts: list[list[Command]] = [[]]
-        self._count = 0
+        self._count = self._bytes = 0
         self._touched: set[str] = {"color"}  # the kinds of values that any command read or wrote
 
     def take(self, commands: Sequence[Command]) -> bool:
         """Let commands wait. Returns False if they read what others draw, or if too many wait."""
-        if self._count > _MOST_WAITING or not all(type(command) in _WAITING for command in commands):
+        if self._count > _MOST_WAITING or self._bytes > _MOST_BYTES:
+            return False
+        if not all(type(command) in _WAITING for command in commands):
             return False
         for command in commands:
             self._touched |= touched_by(command)
         self._parts[-1] += commands
         self._count += len(commands)
+        self._bytes += sum(map(_bytes_of, commands))
         return True
 
     def swap(self) -> None:
@@ -44,13 +57,15 @@ class Postponed:
                     before = [*self._parts[:number], part[:place]]
                     self._parts = [[*_stored(before), *part[place:]], *self._parts[number + 1 :]]
                     self._count = sum(map(len, self._parts))
+                    self._bytes = sum(_bytes_of(command) for part in self._parts for command in part)
                     self._parts.append([])
                     return
         self._parts.append([])
 
     def take_parts(self) -> Iterator[tuple[Command, ...]]:
         """The waiting commands, part by part. Afterwards no command waits."""
-        parts, self._parts, self._count = self._parts, [[]], 0
+        parts, self._parts = self._parts, [[]]
+        self._count = self._bytes = 0
         return iter([tuple(part) for part in parts])
 
     def __bool__(self) -> bool:

@@ -215,6 +215,12 @@ def _by_fragments(command):
     return found
 
 
+def _by_clear(command):
+    """What a Clear writes anywhere, also where a scissor box or a mask leaves out the rest."""
+    written = {"color": command.color, "depth": command.depth, "stencil value": command.stencil}
+    return {kind for kind, value in written.items() if value is not None}
+
+
 def _colors(command):
     return {"color"}
 
@@ -224,7 +230,7 @@ def _nothing(command):
 
 
 _TOUCHED = {
-    Clear: cleared_by,
+    Clear: _by_clear,
     **dict.fromkeys((Draw, DrawPixels, CopyPixels, Bitmap), _by_fragments),
     **dict.fromkeys((Accum, CopyTexImage, CopyTexSubImage, ReadPixels), _colors),
 }

@@ -23,7 +23,7 @@ from fixedpipe.effects.replays.samples import SampleCounter
 from fixedpipe.effects.replays.targets import BACK, FRONT, MOST_PIXELS, Drawn, Target, blank
 from fixedpipe.effects.replays.window_calls import DESTROYING, is_window_call, take_window_call
 from fixedpipe.effects.replays.windows import GLContext, Window, WindowSystem
-from fixedpipe.pipeline.commands import ReadPixels
+from fixedpipe.pipeline.commands import MakeCurrent, ReadPixels
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.outcomes import Tally
 from fixedpipe.pipeline.profiles.profile import Profile
@@ -32,6 +32,7 @@ from fixedpipe.pipeline.traces.calls import FAKE, Call
 THE_END = "the trace's end"  # it ends a frame that no call ends
 # The most commands that wait, so that a program without frames does not fill the memory.
 _MOST_WAITING = 4096
+_MOST_BYTES = 1 << 26  # of their images
 _BUFFERS = {
     tokens.NONE: (),
     tokens.BACK: (BACK,),
@@ -123,6 +124,7 @@ class Replay:
         self._event = ""
         self._unlabelled = 0  # how many waiting commands have their markers
         self._before = 0  # how many commands waited before the present call
+        self._bytes = 0  # how many bytes their calls were given, at most
         self._counters: dict[GLContext, SampleCounter] = {}  # of contexts with an active query
 
     # --------------------------------------------------------------------------------------------- calls
@@ -162,7 +164,9 @@ class Replay:
             self.check.returned(call, answered)
         if name in _AFTER:
             return _AFTER[name](self, context, call, self._before)
-        if len(gl.commands) > _MOST_WAITING:
+        if len(gl.commands) > self._before:
+            self._bytes += sum(len(value) for value in call.arguments if isinstance(value, bytes))
+        if len(gl.commands) > _MOST_WAITING or self._bytes > _MOST_BYTES:
             self._run_waiting()
         return ()
 
@@ -197,7 +201,7 @@ class Replay:
 
     def _run_waiting(self, count: int | None = None) -> None:
         """Run the waiting commands, or only the first ``count`` of them."""
-        context = self._running
+        context, self._bytes = self._running, 0
         if context is None or not context.gl.commands:
             return
         if not self._drawing:
@@ -212,9 +216,20 @@ class Replay:
             target.use_textures(context.group.textures)
         draws, refused = target.draws, target.refused
         target.counter = self._counters.get(context)
+        commands = [*self._resumed(context, target), *commands]
+        for command in commands:
+            if isinstance(command, MakeCurrent):
+                context.surface = None if command.surface is None else command
+        target.bound = context.surface and context.surface.surface
         target.run(commands, *self._where(context.window))
         self.draws += target.draws - draws
         self.refused += target.refused - refused
+
+    def _resumed(self, context, target):
+        """The command that leads back to where a context draws, if another context drew elsewhere since."""
+        if target.bound == (context.surface and context.surface.surface):
+            return []
+        return [context.surface or MakeCurrent(label="the window")]
 
     def _where(self, window):
         """(the buffers that commands draw into, the buffer that they read)."""
@@ -430,6 +445,11 @@ _AFTER = {
     **dict.fromkeys(
         (
             "glDrawBuffer",
+            "glDrawBuffers",
+            "glDrawBuffersARB",
+            "glDrawBuffersATI",
+            "glDeleteFramebuffers",
+            "glDeleteFramebuffersEXT",
             "glReadBuffer",
             "glPopAttrib",
             "glCallList",

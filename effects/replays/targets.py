@@ -78,6 +78,7 @@ class Target:
     - ``recording``: the present frame's Recording, if it is requested.
     - ``postponing``: whether draws may wait until something reads their result.
     - ``counter``: the SampleCounter of an active occlusion query, or None.
+    - ``bound``: the name of the pbuffer that the last commands left current, or None.
     """
 
     profile: Profile
@@ -94,6 +95,7 @@ class Target:
     recording: Recording | None = None
     postponing: bool = False
     counter: SampleCounter | None = None
+    bound: str | None = None
 
     def __post_init__(self) -> None:
         self._others: dict[str, Target] = {}  # framebuffer objects, if the machine has no pbuffers
@@ -167,9 +169,12 @@ class Target:
         for reading, group in groupby(commands, _only_reads):
             if reading:
                 self._run_on((reads,), tuple(group))
-            else:
-                into = draws[0] if draws else reads
-                self._run_on(draws, [self._of_other(c, reads) if reads != into else c for c in group])
+                continue
+            into, drawing = draws[0] if draws else reads, list(group)
+            # If what is read is drawn into as well, each command reads what those before it drew.
+            parts = [[command] for command in drawing] if reads in draws[1:] else [drawing]
+            for part in parts:
+                self._run_on(draws, [self._of_other(c, reads) if reads != into else c for c in part])
 
     def end_frame(self) -> None:
         """Begin to count draws again from 0."""

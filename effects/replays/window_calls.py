@@ -133,7 +133,7 @@ def _refuse(reason):
 
 # --------------------------------------------------------------------------------------------------- WGL
 
-_PFD_DOUBLEBUFFER, _PFD_COLOR_INDEX, _WGL_DOUBLE_BUFFER = 1, 1, 0x2011
+_PFD_DOUBLEBUFFER, _PFD_DOUBLEBUFFER_DONTCARE, _PFD_COLOR_INDEX, _WGL_DOUBLE_BUFFER = 1, 1 << 30, 1, 0x2011
 
 
 def _described(descriptor):
@@ -142,7 +142,9 @@ def _described(descriptor):
     if not isinstance(descriptor, dict) or "dwFlags" not in descriptor:
         return None
     indexed = descriptor.get("iPixelType") == _PFD_COLOR_INDEX
-    return Known(bool(descriptor["dwFlags"] & _PFD_DOUBLEBUFFER), indexed)
+    flags = descriptor["dwFlags"]
+    says = flags and not flags & _PFD_DOUBLEBUFFER_DONTCARE  # programs leave a descriptor empty, too
+    return Known(bool(flags & _PFD_DOUBLEBUFFER) if says else None, indexed)
 
 
 def _wgl_choose_format(system, call):
@@ -157,9 +159,17 @@ def _wgl_choose_formats(system, call):
         system.say(("format", chosen), Known(None if said is None else bool(said)))
 
 
+def _wgl_describe_format(system, call):
+    known = _described(call.arguments[3])
+    if known is not None and call.result:
+        system.say(("format", call.arguments[1]), known)
+
+
 def _wgl_set_format(system, call):
+    # The number decides. The descriptor beside it changes nothing.
     device, chosen, descriptor = call.arguments[:3]
-    system.say(device, _described(descriptor) or system.known(("format", chosen)))
+    known = system.known(("format", chosen))
+    system.say(device, known if known.double is not None else _described(descriptor) or known)
 
 
 def _wgl_create_context(system, call):
@@ -184,7 +194,8 @@ def _wgl_make_current_of_two(system, call):
 
 
 def _wgl_share(system, call):
-    system.share(*call.arguments[:2])
+    if call.result != 0:
+        system.share(*call.arguments[:2])
 
 
 def _wgl_create_pbuffer(system, call):
@@ -198,6 +209,13 @@ def _wgl_device_of_pbuffer(system, call):
 
 def _first_destroyed(system, call):
     return system.destroy_context(call.arguments[0])
+
+
+def _cgl_destroyed(system, call):
+    """Destroy a context of CGL, which is its own drawable: another may be made at its address."""
+    window = system.destroy_context(call.arguments[0])
+    system.forget_drawable(("context", call.arguments[0]))
+    return window
 
 
 def _first_forgotten(system, call):
@@ -312,6 +330,8 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "wglUseFontOutlinesA": _refuse(_NO_FONTS),
     "wglUseFontOutlinesW": _refuse(_NO_FONTS),
     "wglCopyContext": _refuse("copying the state of another context is not carried out"),
+    "wglDescribePixelFormat": _wgl_describe_format,
+    "DescribePixelFormat": _wgl_describe_format,
     "wglBindTexImageARB": _refuse("a pbuffer of the window system as a texture"),
     "eglCreateContext": _egl_create_context,
     "eglCreateWindowSurface": _egl_create_window,
@@ -327,7 +347,9 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "CGLChoosePixelFormat": _cgl_choose_format,
     "CGLCreateContext": _cgl_create_context,
     "CGLSetCurrentContext": _cgl_make_current,
-    "CGLDestroyContext": _first_destroyed,
+    "CGLDestroyContext": _cgl_destroyed,
+    "CGLCopyContext": _refuse("copying the state of another context is not carried out"),
+    "CGLTexImagePBuffer": _refuse("a pbuffer of the window system as a texture"),
     "CGLReleaseContext": _first_destroyed,
     "CGLFlushDrawable": _cgl_flush,
 }
@@ -350,7 +372,7 @@ def take_window_call(system: WindowSystem, call: Any) -> Window | None:
         return None
     try:
         return handler(system, call)
-    except (TypeError, ValueError, IndexError, KeyError, AttributeError) as error:
+    except (TypeError, ValueError, IndexError, KeyError, AttributeError, OverflowError) as error:
         # A damaged trace may have other values in place of a call's arguments.
         system.tally.add("refused", f"{call.name}: its arguments cannot be read ({type(error).__name__})")
         return None

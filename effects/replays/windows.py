@@ -11,6 +11,7 @@ buffers are swapped once, Flush or Finish also ends a frame if something was dra
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from fixedpipe.pipeline.commands import MakeCurrent
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.context import Context, Drawable, Shared
 from fixedpipe.pipeline.opengl.framebuffer_objects import bind_window
@@ -20,6 +21,8 @@ from fixedpipe.pipeline.textures.images import Texture
 
 # A drawable's size in pixels until the trace has it. Assumed: most programs of the time used this size.
 USUAL_SIZE = (640, 480)
+# More contexts are refused, so that a damaged trace does not fill the memory.
+_MOST_CONTEXTS = 1024
 
 
 class Known(NamedTuple):
@@ -75,12 +78,16 @@ class GLContext:
 
     - ``known``: the properties of its configuration, for a drawable without properties of its own.
     - ``window``: the drawable that it was last bound to.
+    - ``single``: whether it was made in a single-buffered drawable, and so draws into FRONT.
+    - ``surface``: the command that led its last commands into a pbuffer; None: they drew into the window.
     """
 
     group: Group
     known: Known = field(default_factory=Known)
     gl: Context | None = None
     window: Window | None = None
+    single: bool = False
+    surface: MakeCurrent | None = None
 
 
 class WindowSystem:
@@ -185,6 +192,10 @@ class WindowSystem:
         if not context:
             self._current.pop(call.thread, None)
             return
+        if context not in self._contexts and len(self._contexts) >= _MOST_CONTEXTS:
+            self.tally.add("refused", f"{call.name}: more than {_MOST_CONTEXTS} contexts")
+            self._current.pop(call.thread, None)
+            return
         # A context that the trace does not make existed before recording began.
         found = self._contexts.setdefault(context, GLContext(Group()))
         self._bind(call.thread, found, self._aliases.get(drawable, drawable))
@@ -197,7 +208,9 @@ class WindowSystem:
         for thread, current in list(self._current.items()):
             if current is found:
                 del self._current[thread]
-        return found.window
+        # Another context may go on with the drawable's frame.
+        others = any(other.window is found.window for other in self._contexts.values())
+        return None if others else found.window
 
     def share(self, first: Any, second: Any) -> None:
         """Let two contexts share their objects, as wglShareLists does."""
@@ -235,13 +248,22 @@ class WindowSystem:
         if context.gl is None:
             context.gl = Context(self.profile, drawable.width, drawable.height, shared=context.group.shared)
             context.gl.tally = self.tally
-            if not drawable.double:
-                for buffer in ("draw_buffer", "read_buffer"):
-                    context.gl.values.set(buffer, tokens.FRONT)
+            context.single = not drawable.double
+            if context.single:
+                _choose_buffers(context.gl, tokens.FRONT)
+        elif context.single and drawable.double:
+            context.single = False
+            if context.gl.values["draw_buffer"] == tokens.FRONT:
+                _choose_buffers(context.gl, tokens.BACK)
         drawable.stored = context.group.stored
         bind_window(context.gl, drawable)
         context.window = window
         self._current[thread] = context
+
+
+def _choose_buffers(gl, buffer):
+    for key in ("draw_buffer", "read_buffer"):
+        gl.values.set(key, buffer)
 
 
 def _key_of(key):

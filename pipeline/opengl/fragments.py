@@ -482,20 +482,21 @@ def color_mask(gl, *mask):
 
 _OF_OBJECTS = (tokens.NONE, tokens.COLOR_ATTACHMENT0_EXT)
 _BUFFERS = {tokens.FRONT, tokens.FRONT_LEFT, tokens.BACK, tokens.BACK_LEFT, tokens.LEFT}
-_BUFFERS |= {tokens.FRONT_AND_BACK, tokens.AUX0}
+_BUFFERS.add(tokens.FRONT_AND_BACK)
 
 
 @entry("DrawBuffer")
 def draw_buffer(gl, buffer):
     """Set which colour buffer is written (section 4.2.1)."""
     if buffer != tokens.NONE:
-        _check_buffer(buffer, gl.values["draw_framebuffer"])
+        _check_buffer(gl, buffer, gl.values["draw_framebuffer"])
     gl.values.set("draw_buffer", buffer)
 
 
-def _check_buffer(buffer, framebuffer):
+def _check_buffer(gl, buffer, framebuffer):
     """Raise GLError unless the window has a buffer, or a framebuffer object does (0: none is bound)."""
-    if buffer not in _BUFFERS and not (framebuffer and buffer in _OF_OBJECTS):
+    there = buffer in _BUFFERS or (buffer == tokens.AUX0 and gl.profile.framebuffers.auxiliary_buffers)
+    if not there and not (framebuffer and buffer in _OF_OBJECTS):
         raise GLError(tokens.INVALID_OPERATION, f"the framebuffer has no buffer {tokens.name_of(buffer)}")
 
 
@@ -512,7 +513,7 @@ def draw_buffers(gl, count, buffers):
 @entry("ReadBuffer")
 def read_buffer(gl, buffer):
     """Set which colour buffer is read (section 4.3.2)."""
-    _check_buffer(buffer, gl.values["read_framebuffer"])
+    _check_buffer(gl, buffer, gl.values["read_framebuffer"])
     gl.values.set("read_buffer", buffer)
 
 
@@ -557,7 +558,7 @@ def clear(gl, mask):
     color = mask & tokens.COLOR_BUFFER_BIT and values["draw_buffer"] != tokens.NONE
     depth = mask & tokens.DEPTH_BUFFER_BIT and values["depth_mask"]
     stencil = mask & tokens.STENCIL_BUFFER_BIT
-    accumulation = mask & tokens.ACCUM_BUFFER_BIT
+    accumulation = mask & tokens.ACCUM_BUFFER_BIT and gl.drawable is gl.window
     if not (color or depth or stencil or accumulation):
         return
     gl.commands.append(

@@ -15,7 +15,6 @@ from fixedpipe.pipeline.enums import ColorBuffer, ComparisonFunction, PixelCopyT
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.framebuffer_objects import Surface, begin_with_texels, made_current, surface_of
-from fixedpipe.pipeline.opengl.images import buffer_read
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.read_back import colors_read, depths_read, stencil_read
 from fixedpipe.pipeline.pixel_transfer import PixelImage
@@ -109,13 +108,9 @@ def _state(gl, kind) -> PassState:
     """The state that draws a rectangle with only the scissor test."""
     box: Scissor | None = gl.values.section("scissor section")
     if kind is not PixelCopyType.DEPTH:
-        return PassState(scissor=box, draw_buffer=_drawn(gl))
+        return PassState(scissor=box)
     always = DepthTest(ComparisonFunction.ALWAYS, True)
     return PassState(scissor=box, color_mask=_NO_COLORS, depth_test=always)
-
-
-def _drawn(gl):
-    return ColorBuffer.AUX0 if gl.values["draw_buffer"] == tokens.AUX0 else ColorBuffer.BACK
 
 
 def _label(gl):
@@ -137,7 +132,6 @@ def _copied_within(gl, kind, across, up):
         state=_state(gl, kind),
         position=_position(across, up),
         zoom=(across.zoom, up.zoom),
-        read_buffer=buffer_read(gl),
     )
 
 

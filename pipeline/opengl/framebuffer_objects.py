@@ -134,9 +134,14 @@ def _label(gl):
     return f"{gl.called} (call {gl.tally.call})"
 
 
+def _object(gl, number):
+    """The object of a name; one without images, if another context has deleted it."""
+    return gl.shared.framebuffers.get(number) or FramebufferObject()
+
+
 def surface_of(gl: Context, number: int) -> Surface:
     """The Surface of an object. If the object is incomplete, the Surface has one pixel."""
-    found = gl.shared.framebuffers[number]
+    found = _object(gl, number)
     if _status(gl, found) != tokens.FRAMEBUFFER_COMPLETE_EXT:
         return Surface(f"incomplete framebuffer object {number}", 1, 1, complete=False)
     attachment = found.attachments.get(_COLOR) or next(iter(found.attachments.values()))
@@ -153,7 +158,7 @@ def surface_of(gl: Context, number: int) -> Surface:
 
 def begin_with_texels(gl: Context, number: int, surface: Surface, label: str) -> None:
     """Draw the texels of the image, as the program defined them, into the pbuffer, unless it has them."""
-    attachment = gl.shared.framebuffers[number].attachments.get(_COLOR)
+    attachment = _object(gl, number).attachments.get(_COLOR)
     if attachment is not None and attachment.texture is not None:
         attachment.texture.settle()
     image = None if attachment is None else _image(attachment)
@@ -177,7 +182,7 @@ def _leave(gl, number, surface):
     """Define the textures of an object after draws into its pbuffer."""
     if not surface.complete or (gl.commands and isinstance(gl.commands[-1], MakeCurrent)):
         return  # nothing was drawn into it
-    attachments = gl.shared.framebuffers[number].attachments
+    attachments = _object(gl, number).attachments
     for point in (_COLOR, _DEPTH):
         attachment = attachments.get(point)
         if attachment is None or _image(attachment) is None:
@@ -190,7 +195,7 @@ def _leave(gl, number, surface):
 def define_attached(gl: Context, texture: TextureObject) -> None:
     """Define a texture's image that the present framebuffer object draws into, if there is one."""
     if (pbuffer := gl.values["pbuffer"]) is not None:
-        attachments = gl.shared.framebuffers[pbuffer[0]].attachments.values()
+        attachments = _object(gl, pbuffer[0]).attachments.values()
         if any(attachment.texture is texture for attachment in attachments):
             _leave(gl, *pbuffer)
 
@@ -353,7 +358,7 @@ def _exchange_buffers(gl, name):
         return
     present = gl.values["draw_buffer"], gl.values["read_buffer"]
     if before:
-        owner = gl.shared.framebuffers[before]
+        owner = _object(gl, before)
         owner.draw_buffer, owner.read_buffer = present
     else:
         gl.values.set("window_buffers", present)
@@ -396,7 +401,7 @@ def check_framebuffer_status(gl, target):
     _activate(gl)  # attached textures may have got images since
     if not number:
         return tokens.FRAMEBUFFER_COMPLETE_EXT
-    return _status(gl, gl.shared.framebuffers[number])
+    return _status(gl, _object(gl, number))
 
 
 def _attach(gl, target, point, attachment):
@@ -406,7 +411,7 @@ def _attach(gl, target, point, attachment):
         if not _COLOR <= each <= tokens.COLOR_ATTACHMENT15_EXT and each not in _OF_DEPTHS:
             raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(point)} is no attachment point")
     before = gl.values["pbuffer"]
-    if before is not None and gl.shared.framebuffers[before[0]] is found:
+    if before is not None and _object(gl, before[0]) is found:
         _leave(gl, *before)  # after this call its texture may not be attached any more
         gl.values.set("pbuffer", None)
     for each in points:

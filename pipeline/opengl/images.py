@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fixedpipe.pipeline.commands import CopyTexImage, CopyTexSubImage, DrawPixels
-from fixedpipe.pipeline.enums import ColorBuffer, InternalFormat
+from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.framebuffer_objects import define_attached
@@ -394,11 +394,6 @@ def framebuffer_size(gl: Any) -> tuple[int, int]:
     return gl.drawable.width, gl.drawable.height
 
 
-def buffer_read(gl: Any) -> ColorBuffer:
-    """The colour buffer that copies read. The replay handles the front buffer, as a surface of its own."""
-    return ColorBuffer.AUX0 if gl.values["read_buffer"] == tokens.AUX0 else ColorBuffer.BACK
-
-
 @entry("CopyTexImage1D")
 def copy_tex_image_1d(gl, target, level, internal_format, x, y, width, border):
     """Define a row of texels from the framebuffer."""
@@ -491,7 +486,6 @@ def _copy_whole(gl, texture, image, box, transfer):
             height=height,
             generate_mipmap=generates,
             transfer=transfer,
-            read_buffer=buffer_read(gl),
         )
     )
     mark_changed(gl, texture)
@@ -558,7 +552,6 @@ def _copy_into(gl, texture, face, level, offset, box, transfer):
             face=offset[2] if texture.target == tokens.TEXTURE_3D else face,
             generate_mipmap=bool(sizes),
             transfer=transfer,
-            read_buffer=buffer_read(gl),
         )
     )
     copied = [(face, level)]

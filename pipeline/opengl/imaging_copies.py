@@ -4,9 +4,10 @@ Each function calls the one for an image in client memory, with the present grou
 transfer does not apply, as in those calls.
 """
 
+from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry
-from fixedpipe.pipeline.opengl.images import buffer_read, framebuffer_size
+from fixedpipe.pipeline.opengl.images import framebuffer_size
 from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.pixel_transfers import (
     TABLES,
@@ -20,7 +21,7 @@ from fixedpipe.pipeline.opengl.read_back import colors_read
 
 def _groups(gl, x, y, width, height=1):
     """A function that reads the groups of a rectangle. It is called after sizes and formats are checked."""
-    return lambda: colors_read(gl, (x, y, width, height), framebuffer_size(gl), buffer_read(gl))
+    return lambda: colors_read(gl, (x, y, width, height), framebuffer_size(gl), ColorBuffer.BACK)
 
 
 def _require_table(target):

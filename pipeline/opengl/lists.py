@@ -92,7 +92,7 @@ def gen_lists(gl, count):
     if count == 0:
         return 0
     names = gl.shared.list_names
-    first = max(names.last, max(gl.shared.lists, default=0)) + 1
+    first = names.last + 1
     recorded = gl.recorded_result
     if isinstance(recorded, int) and recorded > 0 and not _in_use(gl, recorded, count):
         first = recorded

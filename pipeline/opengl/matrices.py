@@ -43,7 +43,10 @@ declare("depth_range", (0.0, 1.0), tokens.VIEWPORT_BIT)
 
 @section("viewport section", "viewport", "depth_range")
 def _viewport(gl, viewport, depth_range):
-    return Viewport(*viewport, *depth_range)
+    # Clamped to the machine's largest; queries answer with the size that was given.
+    largest = gl.profile.framebuffers.max_viewport
+    x, y, width, height = viewport
+    return Viewport(x, y, min(width, largest), min(height, largest), *depth_range)
 
 
 def _stack_key(gl):
@@ -254,11 +257,10 @@ def ortho(gl, left, right, bottom, top, near, far):
 
 @entry("Viewport")
 def viewport(gl, x, y, width, height):
-    """Set the viewport (section 2.10.1). Its size is clamped to the machine's largest."""
+    """Set the viewport (section 2.10.1)."""
     if width < 0 or height < 0:
         raise GLError(tokens.INVALID_VALUE)
-    largest = gl.profile.framebuffers.max_viewport
-    gl.values.set("viewport", (int(x), int(y), min(int(width), largest), min(int(height), largest)))
+    gl.values.set("viewport", (int(x), int(y), int(width), int(height)))
 
 
 @entry("DepthRange", "DepthRangef")

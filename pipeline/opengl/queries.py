@@ -244,7 +244,7 @@ def answer(gl: Any, name: str, arguments: Sequence[Any]) -> tuple[Any, ...] | No
         return None
     try:
         given = point.handler(gl, *arguments)
-    except (GLError, Refused, LeftOut, KeyError, TypeError, ValueError, IndexError):
+    except (GLError, Refused, LeftOut, LookupError, TypeError, ValueError, OverflowError, AttributeError):
         return None
     return given if isinstance(given, tuple) else (given,)
 

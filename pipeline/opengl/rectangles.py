@@ -18,7 +18,7 @@ from fixedpipe.pipeline.opengl.capabilities import capability
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, begin, end, filled, vertex
 from fixedpipe.pipeline.opengl.entry_points import entry, register
 from fixedpipe.pipeline.opengl.fragments import member
-from fixedpipe.pipeline.opengl.images import buffer_read, framebuffer_size
+from fixedpipe.pipeline.opengl.images import framebuffer_size
 from fixedpipe.pipeline.opengl.outcomes import GLError, LeftOut, Refused
 from fixedpipe.pipeline.opengl.parameters import numbers_of, register_parameters
 from fixedpipe.pipeline.opengl.pixel_transfers import counts, transfer_of
@@ -233,7 +233,6 @@ def copy_pixels(gl, x, y, width, height, kind):
         zoom=zoom,
         transfer=transfer,
         pixel_texture=_pixel_texture(gl, state) if copied is PixelCopyType.COLOR else None,
-        read_buffer=buffer_read(gl),
     )
     _emit(gl, made, state)
 
@@ -380,7 +379,6 @@ def read_pixels(gl, x, y, width, height, image_format, image_type, given=None):
             height=height,
             type=PACKED.get(image_type, "UNSIGNED_BYTE"),
             transfer=transfer,
-            read_buffer=buffer_read(gl),
         )
     )
 

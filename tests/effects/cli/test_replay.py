@@ -10,6 +10,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from fixedpipe.effects.cli import main
+from fixedpipe.effects.replays.driving import opened
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.opengl import tokens as T
@@ -248,6 +249,31 @@ def test_an_animation(trace, tmp_path):
     assert status == 0, text
     with Image.open(tmp_path / "a.webp") as animation:
         assert (animation.n_frames, animation.size) == (4, (8, 4))
+
+
+@pytest.mark.parametrize("ending", ["png", "webp"])
+def test_no_animation_is_written_of_frames_that_the_trace_lacks(trace, tmp_path, ending):
+    status, text = said("replay", trace, "--frames", "500", "--video", f"a.{ending}")
+    assert (status, "has no frame 500" in text) == (2, True), text
+    assert not (tmp_path / f"a.{ending}").exists()
+
+
+def test_an_animation_says_how_many_frames_it_has(trace, tmp_path):
+    status, text = said("replay", trace, "--frames", "0-9", "--video", "a.png")
+    assert status == 2, text
+    with Image.open(tmp_path / "a.png") as animation:
+        assert animation.n_frames == 4
+        animation.seek(3)
+
+
+def test_what_the_caller_fails_at_is_not_the_trace_s_fault(trace):
+    with pytest.raises(OSError, match="the caller's"), opened(str(trace)):
+        raise OSError("the caller's")
+
+
+def test_sizes_of_too_many_digits_are_refused(trace):
+    status, text = said("replay", trace, "--size", f"{'9' * 5000}x4")
+    assert status != 0 and "Traceback" not in text
 
 
 def test_a_traced_program_sees_a_machine():
