@@ -59,7 +59,7 @@ def _write_apng(path, frames, count, rate, loop):
                     file.write(_chunk(b"fdAT", struct.pack(">I", number) + data))
                     number += 1
         file.write(_chunk(b"IEND", b""))
-        if n + 1 != count:  # fewer frames came than were announced
+        if number and n + 1 != count:  # fewer frames came than were announced
             file.seek(33)  # after the signature and IHDR
             file.write(_chunk(b"acTL", struct.pack(">II", n + 1, 0 if loop else 1)))
 

@@ -1,8 +1,9 @@
 """Opens a trace, reads it call by call, and yields the requested frames one by one."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import BinaryIO
 
 from fixedpipe.effects.refusal import Refusal
@@ -41,22 +42,28 @@ def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
 
     ``-`` is standard input. Raises Refusal if the file is not a trace or cannot be read.
     """
-    try:
-        if path == "-":
-            with Trace("-") as trace:
-                yield trace, lambda: None
-            return
+    with _file(path) as file:
+        counted = _Counted(file, path)
+        size = 0 if path == "-" else os.fstat(file.fileno()).st_size
         try:
-            file = open(path, "rb")  # noqa: SIM115 - errors of the caller's are not the file's
-        except OSError as error:
-            raise _unreadable(path, error) from error
-        except ValueError as error:
-            raise Refusal(f"{path!r} is no name of a file: {error}.") from error
-        with file, Trace(counted := _Counted(file, path)) as trace:
-            size = os.fstat(file.fileno()).st_size
-            yield trace, lambda: counted.place / size if size else None
-    except TraceError as error:
-        raise Refusal(f"{path}: {error}") from error
+            with Trace(counted) as trace:
+                yield trace, lambda: counted.place / size if size else None
+        except TraceError as error:
+            raise Refusal(f"{path}: {error}") from error
+
+
+def _file(path):
+    """The file of a path, for reading; standard input stays open. Raises Refusal."""
+    if path == "-":
+        if sys.stdin is None:
+            raise Refusal("Standard input is closed; give a trace's file, or a pipe.")
+        return nullcontext(sys.stdin.buffer)
+    try:
+        return open(path, "rb")
+    except OSError as error:
+        raise _unreadable(path, error) from error
+    except ValueError as error:
+        raise Refusal(f"{path!r} is no name of a file: {error}.") from error
 
 
 def frames_of(

@@ -15,7 +15,7 @@ _WAITING = (Clear, Draw, DrawPixels, Bitmap, TexImage)
 _MOST_WAITING, _MOST_BYTES = 20_000, 1 << 27
 
 
-def _bytes_of(command):
+def bytes_of(command: Command) -> int:
     """How many bytes the images of a command have."""
     image = getattr(command, "image", None)
     if image is None:
@@ -42,7 +42,7 @@ class Postponed:
             self._touched |= touched_by(command)
         self._parts[-1] += commands
         self._count += len(commands)
-        self._bytes += sum(map(_bytes_of, commands))
+        self._bytes += sum(map(bytes_of, commands))
         return True
 
     def swap(self) -> None:
@@ -57,7 +57,7 @@ class Postponed:
                     before = [*self._parts[:number], part[:place]]
                     self._parts = [[*_stored(before), *part[place:]], *self._parts[number + 1 :]]
                     self._count = sum(map(len, self._parts))
-                    self._bytes = sum(_bytes_of(command) for part in self._parts for command in part)
+                    self._bytes = sum(bytes_of(command) for part in self._parts for command in part)
                     self._parts.append([])
                     return
         self._parts.append([])

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.replays.check import ANSWERING, Check
+from fixedpipe.effects.replays.postponed import bytes_of
 from fixedpipe.effects.replays.recording import Recording
 from fixedpipe.effects.replays.samples import SampleCounter
 from fixedpipe.effects.replays.targets import BACK, FRONT, MOST_PIXELS, Drawn, Target, blank
@@ -124,7 +125,7 @@ class Replay:
         self._event = ""
         self._unlabelled = 0  # how many waiting commands have their markers
         self._before = 0  # how many commands waited before the present call
-        self._bytes = 0  # how many bytes their calls were given, at most
+        self._bytes = 0  # how many bytes the images of waiting commands have
         self._counters: dict[GLContext, SampleCounter] = {}  # of contexts with an active query
 
     # --------------------------------------------------------------------------------------------- calls
@@ -165,7 +166,7 @@ class Replay:
         if name in _AFTER:
             return _AFTER[name](self, context, call, self._before)
         if len(gl.commands) > self._before:
-            self._bytes += sum(len(value) for value in call.arguments if isinstance(value, bytes))
+            self._bytes += sum(map(bytes_of, gl.commands[self._before :]))
         if len(gl.commands) > _MOST_WAITING or self._bytes > _MOST_BYTES:
             self._run_waiting()
         return ()
@@ -216,7 +217,7 @@ class Replay:
             target.use_textures(context.group.textures)
         draws, refused = target.draws, target.refused
         target.counter = self._counters.get(context)
-        commands = [*self._resumed(context, target), *commands]
+        self._resume(context, target)
         for command in commands:
             if isinstance(command, MakeCurrent):
                 context.surface = None if command.surface is None else command
@@ -225,11 +226,13 @@ class Replay:
         self.draws += target.draws - draws
         self.refused += target.refused - refused
 
-    def _resumed(self, context, target):
-        """The command that leads back to where a context draws, if another context drew elsewhere since."""
-        if target.bound == (context.surface and context.surface.surface):
-            return []
-        return [context.surface or MakeCurrent(label="the window")]
+    def _resume(self, context, target):
+        """Go back to where a context draws, if another context drew elsewhere since."""
+        name = context.surface and context.surface.surface
+        if target.bound != name:
+            there = context.surface or MakeCurrent(label="the window")
+            target.run((there,), *self._where(context.window))
+            target.bound = name
 
     def _where(self, window):
         """(the buffers that commands draw into, the buffer that they read)."""
@@ -267,7 +270,9 @@ class Replay:
         if not self._drawing:
             return blank(command)
         window = self._running.window
-        return self._target(window).read(command, *self._where(window))
+        target = self._target(window)
+        self._resume(self._running, target)
+        return target.read(command, *self._where(window))
 
     def depth_bits(self) -> int:
         """How many bits a depth of ``read`` has."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from fixedpipe.pipeline.commands import CopyPixels, DrawPixels
-from fixedpipe.pipeline.enums import ColorBuffer, ComparisonFunction, PixelCopyType
+from fixedpipe.pipeline.enums import ComparisonFunction, PixelCopyType
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.framebuffer_objects import Surface, begin_with_texels, made_current, surface_of
@@ -162,4 +162,4 @@ def _image(gl: Any, kind: PixelCopyType, box, size) -> PixelImage:
         return PixelImage(depths_read(gl, box, size), "DEPTH_COMPONENT")
     if kind is PixelCopyType.STENCIL:
         return PixelImage(stencil_read(gl, box, size), "STENCIL_INDEX")
-    return PixelImage(colors_read(gl, box, size, ColorBuffer.BACK), "RGBA")  # COLOR
+    return PixelImage(colors_read(gl, box, size), "RGBA")  # COLOR

@@ -4,7 +4,6 @@ Each function calls the one for an image in client memory, with the present grou
 transfer does not apply, as in those calls.
 """
 
-from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.images import framebuffer_size
@@ -21,7 +20,7 @@ from fixedpipe.pipeline.opengl.read_back import colors_read
 
 def _groups(gl, x, y, width, height=1):
     """A function that reads the groups of a rectangle. It is called after sizes and formats are checked."""
-    return lambda: colors_read(gl, (x, y, width, height), framebuffer_size(gl), ColorBuffer.BACK)
+    return lambda: colors_read(gl, (x, y, width, height), framebuffer_size(gl))
 
 
 def _require_table(target):

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.commands import ReadPixels
-from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.opengl.outcomes import Refused
 
 # The largest depth in a PixelImage, which holds depths as fractions of it.
@@ -37,7 +36,7 @@ def _behind(gl: Any) -> Behind:
     return gl.behind
 
 
-def _read(gl, box, size, kind, buffer=ColorBuffer.BACK):
+def _read(gl, box, size, kind):
     """(pixels, rows, columns) of the part of a box inside a framebuffer of ``size`` pixels."""
     x, y, width, height = box
     left, below = max(x, 0), max(y, 0)
@@ -54,21 +53,18 @@ def _read(gl, box, size, kind, buffer=ColorBuffer.BACK):
         width=right - left,
         height=above - below,
         type="FLOAT" if kind == "RGBA" else "UNSIGNED_BYTE",
-        read_buffer=buffer,
     )
     return _behind(gl).read(command), slice(below - y, above - y), slice(left - x, right - x)
 
 
-def colors_read(
-    gl: Any, box: tuple[int, int, int, int], size: tuple[int, int], buffer: ColorBuffer
-) -> NDArray[np.float64]:
+def colors_read(gl: Any, box: tuple[int, int, int, int], size: tuple[int, int]) -> NDArray[np.float64]:
     """The present colours of a box of the framebuffer, [height, width, 4] in [0, 1], bottom row first.
 
     ``box``: x, y, width and height; ``size``: of the framebuffer. Pixels outside, which are undefined in
     OpenGL, are zero. Raises Refused if there is no machine.
     """
     made = np.zeros((box[3], box[2], 4))
-    read, rows, columns = _read(gl, box, size, "RGBA", buffer)
+    read, rows, columns = _read(gl, box, size, "RGBA")
     if read is not None:
         made[rows, columns] = read
     return made

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.replays import postponed, windows
+from fixedpipe.effects.replays import replay as replay_module
 from fixedpipe.effects.replays.asked import FramesAsked
+from fixedpipe.effects.replays.replay import Replay
 from fixedpipe.pipeline.opengl import tokens as T
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, OPENGL_1_2
 from tests.effects.replays.programs import (
@@ -161,14 +163,28 @@ def test_images_that_wait_are_counted_by_their_bytes(monkeypatch):
     program = started().call("glRasterPos2f", -1.0, -1.0)
     for _ in range(40):
         program.call("glDrawPixels", 8, 4, T.RGBA, T.UNSIGNED_BYTE, bytes(128)).swap()
-    asked, most = FramesAsked.of("39"), 0
+    asked = FramesAsked.of("39")
     found, kept = postponed.Postponed.take, []
     monkeypatch.setattr(
         postponed.Postponed, "take", lambda self, c: (kept.append(self._bytes), found(self, c))[1]
     )
     replayed(program, wanted=asked.wants, needed=asked.may_want)
-    most = max(kept)
-    assert 1 << 12 < most < 1 << 14
+    assert 1 << 12 < max(kept) < 1 << 14
+
+
+def test_textures_of_draws_that_wait_are_counted_by_their_bytes(monkeypatch):
+    monkeypatch.setattr(replay_module, "_MOST_BYTES", 1 << 12)
+    program = started().call("glEnable", T.TEXTURE_2D)
+    program.call("glTexParameteri", T.TEXTURE_2D, T.TEXTURE_MIN_FILTER, T.NEAREST)
+    for _ in range(64):
+        program.call("glTexImage2D", T.TEXTURE_2D, 0, T.RGBA, 8, 8, 0, T.RGBA, T.UNSIGNED_BYTE, bytes(256))
+        program.rectangle(RED)
+    replay, waiting = Replay(GEFORCE_256), []
+    for call in program.calls:
+        replay.take(call)
+        context = replay.windows.current(0)
+        waiting.append(0 if context is None or context.gl is None else len(context.gl.commands))
+    assert 16 < max(waiting) < 48  # of 128: a texture and a rectangle each
 
 
 def test_contexts_are_limited(monkeypatch):
