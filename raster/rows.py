@@ -281,6 +281,7 @@ _ints = _Row(INT_COLUMNS)
 FIXED0 = _ints(2 * 4)  # floor(256 u size) of s and t of each unit
 PIXEL = _ints()  # y * width + x of each fragment of a mixed segment
 DEPTH_WORD = _ints()
+DEPTH_NUMBERS = _ints()  # of the triangle whose depths are made (``fixedpipe.raster.vector.single_depths``)
 VECTOR_INT_COLUMNS = _ints.size
 # lanes int32[LANES, 16]: small triangles that are set up together
 # (``fixedpipe.raster.vector.small_triangles``).

@@ -59,6 +59,12 @@ from fixedpipe.raster.vector.lanes import (
     ramp_i32x16,
     store,
 )
+from fixedpipe.raster.vector.single_depths import (
+    have_24_bits,
+    keep_depths,
+    single_run_depth,
+    single_triangle_depth,
+)
 from fixedpipe.raster.vector.singles import single_column_weights, single_factors, single_weights
 from fixedpipe.raster.vector.small_triangles import LARGEST_SMALL, set_up, share
 from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
@@ -272,7 +278,10 @@ def small_alone(job, p, t, band, batch, end, buffers, scratch):
     close_mixed(job, draw, scratch, batch, begin, (band.low, band.high))
     if draw[R.NEEDS_DEPTH]:
         words = ints[R.DEPTH_WORD]
-        triangle_depth(floats, words, begin, n, t.depths, area)
+        if keep_depths(ints, t.edges.area, True, t.depths):
+            single_triangle_depth(floats, ints, begin, n)
+        else:
+            triangle_depth(floats, words, begin, n, t.depths, area)
         depth_words = words_at(int64(buffers.depth.ctypes.data), int64(buffers.depth.size))
         function = int64(draw[R.DEPTH_FUNCTION])
         if band.early and are_hidden(depth_words, ints[R.PIXEL], words, begin, n, function):
@@ -348,6 +357,7 @@ def draw_rows(job, p, t, band, batch, buffers, scratch):
     can_be_single, scaled = single_factors(factors)
     needs_weights, needs_depth = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_DEPTH]
     single = can_be_single and needs_weights != 0 and job[R.JOB_OF_COLORS] == 0
+    kept = needs_depth != 0 and keep_depths(ints, t.edges.area, have_24_bits(t.edges), t.depths)
     for row in range(t.top, t.bottom + 1):
         start, end = row_span(
             n0 + ties[0], n1 + ties[1], n2 + ties[2], right[0], right[1], right[2], t.left, t.right
@@ -358,7 +368,10 @@ def draw_rows(job, p, t, band, batch, buffers, scratch):
             here = as_floats(edges_after((n0, n1, n2), right, start - t.left))
             if not batch.solid and needs_depth:
                 words = ints[R.DEPTH_WORD]
-                run_depth(words, position, n, here, step, t.depths)
+                if kept:
+                    single_run_depth(ints, position, n, here, step)
+                else:
+                    run_depth(words, position, n, here, step, t.depths)
                 function = int64(draw[R.DEPTH_FUNCTION])
                 if band.early and is_hidden(buffers.depth[row], start, words, position, n, function):
                     batch = without(batch, n)

@@ -521,6 +521,7 @@ def _scalar_reinterpreter(source, target, doc):
     return reinterpret
 
 
+bits_of_single = _scalar_reinterpreter(types.float32, types.int32, "The bit pattern of a float32.")
 bytes_of = _scalar_reinterpreter(types.uint32, U8X4, "The four bytes of a uint32, the lowest first.")
 packed_of = _scalar_reinterpreter(U8X4, types.uint32, "The uint32 that ``bytes_of`` took apart.")
 quarters_of = _scalar_reinterpreter(types.int64, I16X4, "The 16-bit quarters of an int64, the lowest first.")
