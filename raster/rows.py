@@ -273,9 +273,10 @@ Z_RECIPROCAL = _floats()  # of the area, for depths
 Z_OFFSET = _floats()  # polygon offset
 TERMS = _floats(12 * 4)  # of each unit, for s, t, r, q: vertex 1's, and how far vertices 0 and 2 are from it
 VECTOR_FLOAT_COLUMNS = _floats.size
-# singles float32[SINGLE_COLUMNS, batch]: weights of vertices 0 and 2, a coordinate, and what weights are made
-# of in blocks.
-SINGLE_Q0, SINGLE_Q2, SINGLE_COORDINATE, PART0, PART1, PART2, PARTS, SINGLE_COLUMNS = range(8)
+# singles float32[SINGLE_COLUMNS, batch]: weights of vertices 0 and 2, what weights are made of in blocks, and
+# coordinates s, t, r, q (one alone lies in the first).
+SINGLE_Q0, SINGLE_Q2, PART0, PART1, PART2, PARTS, SINGLE_COORDINATE = range(7)
+SINGLE_COLUMNS = SINGLE_COORDINATE + 4
 # More columns of ints.
 _ints = _Row(INT_COLUMNS)
 FIXED0 = _ints(2 * 4)  # floor(256 u size) of s and t of each unit

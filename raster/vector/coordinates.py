@@ -10,7 +10,7 @@ than ``count`` asks for.
 from typing import NamedTuple
 
 import numpy as np
-from numba import float32, float64, int32, int64, void
+from numba import boolean, float32, float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -160,7 +160,7 @@ def iterate_texels(segments, triangles, coordinates, axis, floats, singles, out)
         c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
         c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
         if single[s]:
-            if single_coordinate(singles, begin, end, (c1, c0, c2), log2_size + _FIXED):
+            if single_coordinate(singles, 0, begin, end, (c1, c0, c2), log2_size + _FIXED):
                 for i in range(begin, end, 16):
                     store(out, i, to_int32(floored(load_f32x16(singles[R.SINGLE_COORDINATE], i))))
                 continue
@@ -225,7 +225,7 @@ def iterate_floats(segments, triangles, coordinates, unit, component, floats, si
                 store(out, i, value)
             continue
         if single[s]:
-            if single_coordinate(singles, begin, end, (c1, c0, c2), 0):
+            if single_coordinate(singles, 0, begin, end, (c1, c0, c2), 0):
                 for i in range(begin, end, 16):
                     store(out, i, to_doubles(load_f32x16(singles[R.SINGLE_COORDINATE], i)))
                 continue
@@ -244,6 +244,25 @@ def iterate_floats(segments, triangles, coordinates, unit, component, floats, si
                 terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
                 store(out, i, float_of_terms(*terms))
                 i += 16
+
+
+@kernel(boolean(LISTED, int32[:, ::1], float64[:, :, ::1], int64, float32[:, ::1]))
+def iterate_singles(segments, triangles, coordinates, unit, singles):
+    """Whether s, t, r and q of a batch are all float32; if so, they are in SINGLE_COORDINATE and behind it."""
+    separate_function()
+    starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
+    single = segments.lists[R.SINGLE]
+    for s in range(segments.count):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0 or not single[s]:
+            return False
+        for component in range(4):
+            c1 = coordinates[triangles[t, 1], unit, component]
+            c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
+            c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
+            if not single_coordinate(singles, component, begin, end, (c1, c0, c2), 0):
+                return False
+    return True
 
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i4[::1],i8)")

@@ -6,6 +6,7 @@ The usual shadow map takes float32 that the processor cuts (``rounding``). Its c
 
 from numba import boolean, float32, float64, int32, int64, types, void
 
+from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.floats import LEAST_Q
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
@@ -17,6 +18,7 @@ from fixedpipe.raster.vector.lanes import (
     f64x16,
     floored,
     i32x16,
+    load_f32x16,
     load_f64x16,
     maximum,
     minimum,
@@ -74,51 +76,71 @@ def limited_floor(value, low, high):
     return to_int32(minimum(maximum(value, low), high))
 
 
-@kernel(boolean(COLUMNS, FIXED, THREE, float64, int64))
-def cut_fixed(coordinates, out, sizes, largest, count):
-    """The leaf of ``fixed_from_projected``: whether q's exponents let it be float32.
+@kernel(boolean(float32[:, ::1], FIXED, THREE, float64, int64))
+def cut_fixed(singles, out, sizes, largest, count):
+    """The leaf of ``fixed_toward_zero``: whether q's exponents let it be float32.
 
     A product cut to 24 bits never falls below a whole number up to 2**24 that the exact one reaches, so the
     floor of a product with a size is the exact product's.
     """
     separate_loop()
-    (s, t, r, q), (f_s, f_t, words), (width, height, scale) = coordinates, out, sizes
+    (f_s, f_t, words), (width, height, scale) = out, sizes
+    s, t = singles[R.SINGLE_COORDINATE], singles[R.SINGLE_COORDINATE + 1]
+    r, q = singles[R.SINGLE_COORDINATE + 2], singles[R.SINGLE_COORDINATE + 3]
     of_s, of_t, of_r = float32(256.0 * width), float32(256.0 * height), float32(scale)
     half, last_s, last_t = float32(128.0), of_s - float32(128.0), of_t - float32(128.0)
     least, most = int32((_ONE - _FARTHEST) << _PLACES), int32((_ONE + _FARTHEST) << _PLACES)
     inside = i32x16(int32(-1))
     for at in range(0, count, 16):
-        divisor = narrow_f32(load_f64x16(q, at))
+        divisor = load_f32x16(q, at)
         near = exponent(divisor)
         inside = select((near >= least) & (near <= most), inside, i32x16(int32(0)))
         inverse = single_reciprocals(divisor)
-        x, y = narrow_f32(load_f64x16(s, at)) * inverse, narrow_f32(load_f64x16(t, at)) * inverse
-        z = narrow_f32(load_f64x16(r, at)) * inverse
+        x, y, z = load_f32x16(s, at) * inverse, load_f32x16(t, at) * inverse, load_f32x16(r, at) * inverse
         store(f_s, at, limited_floor(x * of_s, half, last_s))
         store(f_t, at, limited_floor(y * of_t, half, last_t))
         store(words, at, limited_floor(z * of_r, float32(0.0), float32(largest)))
     return all_lanes(inside != int32(0))
 
 
-@kernel(boolean(COLUMNS, FIXED, THREE, float64, int64))
-def fixed_toward_zero(coordinates, out, sizes, largest, count):
+@kernel(boolean(float32[:, ::1], FIXED, THREE, float64, int64))
+def fixed_toward_zero(singles, out, sizes, largest, count):
     """``cut_fixed``, rounding toward zero."""
     separate_function()
-    return toward_zero(cut_fixed, (coordinates, out, sizes, largest, count))
+    return toward_zero(cut_fixed, (singles, out, sizes, largest, count))
 
 
-@kernel(void(COLUMNS, FIXED, THREE, int32, int64))
-def fixed_from_projected(coordinates, out, sizes, maximum_word, count):
+@kernel
+def fixed_from_singles(singles, out, sizes, largest, count):
+    """``fixed_from_projected`` of s, t, r and q in SINGLE_COORDINATE and behind it; False where it must be
+    made there.
+    """
+    return can_cut() and fixed_toward_zero(singles, out, sizes, largest, count)
+
+
+@kernel("void(f8[::1],f4[::1],i8)")
+def narrow_column(column, single, count):
+    """A column of 24 bits as float32."""
+    separate_loop()
+    for at in range(0, count, 16):
+        store(single, at, narrow_f32(load_f64x16(column, at)))
+
+
+@kernel(void(COLUMNS, float32[:, ::1], FIXED, THREE, float64, int64))
+def fixed_from_projected(coordinates, singles, out, sizes, largest, count):
     """F of s/q and t/q for a linear filter with CLAMP_TO_EDGE, and the fixed depth words of r/q: what
     ``multiply`` with ``coordinates.fixed_from_floats`` and ``depth_words`` make.
 
     ``coordinates``: s, t, r, q; ``sizes``: the texture's width and height, up to 4096, and what r/q is
-    multiplied with, of 24 bits, as ``maximum_word`` is.
+    multiplied with, of 24 bits, as the ``largest`` word is.
     """
     separate_function()
     (s, t, r, q), (f_s, f_t, words), (width, height, scale) = coordinates, out, sizes
-    largest = float64(maximum_word)
-    if can_cut() and fixed_toward_zero(coordinates, out, sizes, largest, count):
+    narrow_column(s, singles[R.SINGLE_COORDINATE], count)
+    narrow_column(t, singles[R.SINGLE_COORDINATE + 1], count)
+    narrow_column(r, singles[R.SINGLE_COORDINATE + 2], count)
+    narrow_column(q, singles[R.SINGLE_COORDINATE + 3], count)
+    if fixed_from_singles(singles, out, sizes, largest, count):
         return
     for at in range(0, count, 16):
         inverse = signed_reciprocals(load_f64x16(q, at))

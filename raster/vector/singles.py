@@ -293,15 +293,15 @@ def cut_term(q, d):
     return to_int32(product) + to_int32(fused(q, d, product * -1.0))
 
 
-@kernel(boolean(float32[:, ::1], int64, int64, THREE, int64))
-def cut_coordinate(singles, begin, end, terms, log2_factor):
+@kernel(boolean(float32[:, ::1], int64, int64, int64, THREE, int64))
+def cut_coordinate(singles, component, begin, end, terms, log2_factor):
     """The leaf of ``single_coordinate``: whether some coordinate is below EXACT_FROM and not zero.
 
     The units of one fragment hold for most of the next ones: as in ``coordinates.beside_texels``.
     """
     separate_loop()
     own, d0, d2 = f32x16(float32(terms[0])), f32x16(float32(terms[1])), f32x16(float32(terms[2]))
-    q0, q2, out = singles[R.SINGLE_Q0], singles[R.SINGLE_Q2], singles[R.SINGLE_COORDINATE]
+    q0, q2, out = singles[R.SINGLE_Q0], singles[R.SINGLE_Q2], singles[R.SINGLE_COORDINATE + component]
     one, shift = int32(_ONE << _PLACES), int32((log2_factor - 23) << _PLACES)
     of_own, of0, of2 = exponent(own), exponent(d0) - one, exponent(d2) - one
     has_own, has0, has2 = own != 0.0, d0 != 0.0, d2 != 0.0
@@ -332,11 +332,11 @@ def cut_coordinate(singles, begin, end, terms, log2_factor):
     return any_lane(doubt != int32(0))
 
 
-@kernel(boolean(float32[:, ::1], int64, int64, THREE, int64))
-def coordinate_toward_zero(singles, begin, end, terms, log2_factor):
+@kernel(boolean(float32[:, ::1], int64, int64, int64, THREE, int64))
+def coordinate_toward_zero(singles, component, begin, end, terms, log2_factor):
     """``cut_coordinate``, rounding toward zero."""
     separate_function()
-    return toward_zero(cut_coordinate, (singles, begin, end, terms, log2_factor))
+    return toward_zero(cut_coordinate, (singles, component, begin, end, terms, log2_factor))
 
 
 @kernel
@@ -349,8 +349,8 @@ def is_usual(value):
 
 
 @kernel
-def single_coordinate(singles, begin, end, terms, log2_factor):
-    """SINGLE_COORDINATE of a triangle's fragments: a texture coordinate times 2**log2_factor, of the sum that
+def single_coordinate(singles, component, begin, end, terms, log2_factor):
+    """SINGLE_COORDINATE, or ``component`` columns behind it, of a triangle's fragments: a texture coordinate times 2**log2_factor, of the sum that
     ``interpolate.terms_of`` makes from SINGLE_Q0 and SINGLE_Q2. False where some is below EXACT_FROM and not
     zero: then nothing of it may be used.
 
@@ -361,7 +361,7 @@ def single_coordinate(singles, begin, end, terms, log2_factor):
     v1 = truncate_24(v1)
     if not (is_usual(v1) and is_usual(d0) and is_usual(d2)):
         return False
-    return not coordinate_toward_zero(singles, begin, end, (v1, d0, d2), log2_factor)
+    return not coordinate_toward_zero(singles, component, begin, end, (v1, d0, d2), log2_factor)
 
 
 @kernel("void(f4[:,::1],f8[:,::1],i8,i8)")

@@ -14,6 +14,7 @@ from fixedpipe.raster.vector.coordinates import (
     depth_words,
     fixed_from_floats,
     iterate_floats,
+    iterate_singles,
     iterate_texels,
 )
 from fixedpipe.raster.vector.footprint import sample_footprints
@@ -24,7 +25,12 @@ from fixedpipe.raster.vector.interpolate import (
     Listed,
 )
 from fixedpipe.raster.vector.level_of_detail import level_of_detail
-from fixedpipe.raster.vector.projective import fixed_from_projected, multiply, reciprocals_of_q
+from fixedpipe.raster.vector.projective import (
+    fixed_from_projected,
+    fixed_from_singles,
+    multiply,
+    reciprocals_of_q,
+)
 from fixedpipe.raster.vector.sample import (
     fetch_compared,
     filter_located,
@@ -179,6 +185,40 @@ def plan_units(job, draw, textures, facts):
     return True
 
 
+@kernel
+def is_usual_shadow(row, levels):
+    """Whether a unit is the usual shadow map: its quotients need not be known to their last bit."""
+    edge, largest = int64(C.WRAP_CLAMP_TO_EDGE), max(float64(levels[0, 1]), float64(levels[0, 2]))
+    compares = row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE and row[R.DEPTH_TEXEL_FORMAT] == C.DEPTH_FIXED
+    plain = row[R.TARGET] == C.TARGET_2D and row[R.PROJECTIVE] != 0 and row[R.MAG_LINEAR] != 0
+    return compares and plain and row[R.WRAP_S] == edge and row[R.WRAP_T] == edge and largest <= LARGEST_SHADOW
+
+
+@kernel(void(JOB, int64, int64, int64, SCRATCH))
+def sample_shadow(job, u, count, segments, scratch):
+    """A unit that ``is_usual_shadow``."""
+    separate_function()
+    p = pass_of(job)
+    triangles, coordinates = p.triangles, p.vertices.coordinates
+    row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
+    singles, located, listed = scratch.singles, scratch.located[u], Listed(scratch.lists, segments)
+    made = ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1], ints[R.REFERENCE]
+    sizes = float64(levels[0, 1]), float64(levels[0, 2]), float_of(row[R.COORDINATE_DEPTH])
+    largest, is_made = float64(row[R.DEPTH_TEXEL_MAX]), False
+    if iterate_singles(listed, triangles, coordinates, u, singles):
+        is_made = fixed_from_singles(singles, made, sizes, largest, count)
+    if not is_made:
+        s, t, r, q = floats[R.S], floats[R.T], floats[R.COORDINATE0], floats[R.EXTRA]
+        iterate_floats(listed, triangles, coordinates, u, 0, floats, singles, s)
+        iterate_floats(listed, triangles, coordinates, u, 1, floats, singles, t)
+        iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, r)
+        iterate_floats(listed, triangles, coordinates, u, 3, floats, singles, q)
+        fixed_from_projected((s, t, r, q), singles, made, sizes, largest, count)
+    locate(levels, row, made[0], made[1], count, located)
+    plane, function = (C.REGISTER_TEXTURE0 + u) * 4, row[R.COMPARE_FUNCTION]
+    fetch_compared(p.textures.texels[u], located, made[2], function, count, scratch.planes, plane)
+
+
 @kernel(void(JOB, int64, int64, int64, SCRATCH))
 def sample_computed(job, u, count, segments, scratch):
     """A unit whose coordinates are computed from the iterated ones."""
@@ -186,11 +226,15 @@ def sample_computed(job, u, count, segments, scratch):
     p = pass_of(job)
     triangles, coordinates = p.triangles, p.vertices.coordinates
     row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
-    singles = scratch.singles
+    if is_usual_shadow(row, levels):
+        sample_shadow(job, u, count, segments, scratch)
+        return
+    singles, width, height = scratch.singles, float64(levels[0, 1]), float64(levels[0, 2])
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
     cube, projective = row[R.TARGET] == C.TARGET_CUBE_MAP, row[R.PROJECTIVE] != 0
     compared, listed = row[R.COMPARE] != C.COMPARE_MODE_NONE, Listed(scratch.lists, segments)
+    edge = int64(C.WRAP_CLAMP_TO_EDGE)
     iterate_floats(listed, triangles, coordinates, u, 0, floats, singles, s)
     iterate_floats(listed, triangles, coordinates, u, 1, floats, singles, t)
     if cube:
@@ -198,21 +242,6 @@ def sample_computed(job, u, count, segments, scratch):
         cube_faces(s, t, extra, ints[R.FACE], count)
     elif projective:
         iterate_floats(listed, triangles, coordinates, u, 3, floats, singles, extra)
-    # The usual shadow map: quotients need not be known to their last bit.
-    width, height, edge = float64(levels[0, 1]), float64(levels[0, 2]), int64(C.WRAP_CLAMP_TO_EDGE)
-    usual = projective and row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE and row[R.MAG_LINEAR] != 0
-    usual = usual and row[R.TARGET] == C.TARGET_2D and row[R.DEPTH_TEXEL_FORMAT] == C.DEPTH_FIXED
-    usual = usual and row[R.WRAP_S] == edge and row[R.WRAP_T] == edge and max(width, height) <= LARGEST_SHADOW
-    if usual:
-        iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, r)
-        scale, largest = float_of(row[R.COORDINATE_DEPTH]), int32(row[R.DEPTH_TEXEL_MAX])
-        made = f_s, f_t, ints[R.REFERENCE]
-        fixed_from_projected((s, t, r, extra), made, (width, height, scale), largest, count)
-        locate(levels, row, f_s, f_t, count, located)
-        plane, function = (C.REGISTER_TEXTURE0 + u) * 4, row[R.COMPARE_FUNCTION]
-        pairs = p.textures.texels[u]
-        fetch_compared(pairs, located, ints[R.REFERENCE], function, count, scratch.planes, plane)
-        return
     if projective and not cube:
         reciprocals_of_q(extra, count)
         multiply(s, extra, count)
