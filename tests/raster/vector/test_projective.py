@@ -6,6 +6,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import projected
 from fixedpipe.raster.floats import keep_significant_bits
 from fixedpipe.raster.vector.coordinates import depth_words, fixed_from_floats
@@ -51,6 +52,14 @@ def test_a_coordinate_by_q_is_the_specifications(seed):
     assert list(zip(s, t, r, strict=True)) == expected
 
 
+def singles_of(strq):
+    """The float32 columns that have s, t, r and q."""
+    singles = np.zeros((R.SINGLE_COLUMNS, COUNT), np.float32)
+    with np.errstate(over="ignore"):
+        singles[R.SINGLE_COORDINATE :] = strq
+    return singles
+
+
 def expected_fixed(strq, size):
     """What ``fixed_from_projected`` stands for, step by step."""
     s, t, r, q = (column.copy() for column in strq)
@@ -69,7 +78,7 @@ def expected_fixed(strq, size):
 @example(0, 4096, True)
 def test_places_in_a_shadow_map_are_those_of_its_steps(seed, size, far):
     strq, found = columns(seed, size, far), np.zeros((3, COUNT), np.int32)
-    fixed_from_projected(strq, tuple(found), (float(size), float(size), SCALE), 2**24 - 1, COUNT)
+    fixed_from_projected(strq, singles_of(strq), tuple(found), (float(size), float(size), SCALE), SCALE, COUNT)
     assert found.tolist() == expected_fixed(strq, size).tolist()
 
 
@@ -79,7 +88,7 @@ def test_places_in_a_shadow_map_are_those_of_its_steps(seed, size, far):
 def test_float32_takes_a_q_near_one(seed, size):
     strq, found = columns(seed, size, False), np.zeros((3, COUNT), np.int32)
     sizes = float(size), float(size), SCALE
-    assert fixed_toward_zero(strq, tuple(found), sizes, SCALE, COUNT)
+    assert fixed_toward_zero(singles_of(strq), tuple(found), sizes, SCALE, COUNT)
     assert found.tolist() == expected_fixed(strq, size).tolist()
 
 
@@ -88,4 +97,4 @@ def test_float32_takes_a_q_near_one(seed, size):
 def test_float32_refuses_a_q_far_from_one(q):
     strq, found = columns(1, 512, False), np.zeros((3, COUNT), np.int32)
     strq[3][COUNT // 2] = q
-    assert not fixed_toward_zero(strq, tuple(found), (512.0, 512.0, SCALE), SCALE, COUNT)
+    assert not fixed_toward_zero(singles_of(strq), tuple(found), (512.0, 512.0, SCALE), SCALE, COUNT)

@@ -176,7 +176,7 @@ def test_coordinates_that_wrap_with_rounding_are_refused():
         ((2.0**-30, 0.0, 1.0), True),
         ((np.nan, 0.0, 1.0), False),
     ]:
-        assert single_coordinate(singles, 0, 16, terms, 8) is may, terms
+        assert single_coordinate(singles, 0, 0, 16, terms, 8) is may, terms
 
 
 @kernel("void(f4[::1],f4[::1],f4[::1])")
