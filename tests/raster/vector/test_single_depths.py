@@ -70,6 +70,14 @@ def kept(area, exact, of):
     ((2.0**30 - 7.0, 2.0**20 + 1.0, 6.0), (-9.0, 4.0, 5.0), 90, None),
     Depths((0.0, single(0.9 * MOST), single(-1e-9)), 0.0, 0.0, MOST),
 )
+@example(  # below zero by less than a unit beside a whole sum
+    ((2.0**20, 2.0**19, 2.0**19), (0.0, 0.0, 0.0), 1, None),
+    Depths((single(-1e-9), 2.0**20, 2.0**20), 0.0, 0.0, MOST),
+)
+@example(  # differences of more than twice P(z): the largest term is another vertex's
+    ((27630.0, 2262797.0, 1557293.0), (796.0, -803.0, 7.0), 60, None),
+    Depths((7085855.5, 1318118.5, 8768735.0), 0.0, 0.0, MOST),
+)
 def test_words_of_a_run_are_those_of_float64(run, of):
     n, right, count, _w = run
     area = sum(n)
