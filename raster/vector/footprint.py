@@ -18,7 +18,7 @@ from fixedpipe.raster.portable.level_of_detail import iterated, weighted
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.coordinates import fixed_from_floats, iterate_floats
 from fixedpipe.raster.vector.interpolate import Listed
-from fixedpipe.raster.vector.level_of_detail import lambdas, linear_edge
+from fixedpipe.raster.vector.level_of_detail import lambdas, linear_edge, logarithms
 from fixedpipe.raster.vector.sample import filter_mipmapped
 
 # Planes that combiners compute in later: here the texels of one probe.
@@ -36,9 +36,8 @@ def _at(n0, n1, n2, inverse_w, s, t):
 
 
 @kernel
-def _blocks(source, sizes, limits, px, py, blocks, floats, cells):
-    """ALONG_S, ALONG_T, RATIO, and rho squared (in EXTRA) with its ``cells``, for each of the blocks from
-    (px, py) to the right.
+def _blocks(source, sizes, limits, px, py, blocks, floats):
+    """ALONG_S, ALONG_T, RATIO, and rho squared (in EXTRA), for each of the blocks from (px, py) to the right.
 
     ``limits``: the most probes, or minus the largest ratio; whether as many probes are taken as cover it.
     """
@@ -84,11 +83,6 @@ def _blocks(source, sizes, limits, px, py, blocks, floats, cells):
         along_t[k] = (ay if wide else by) if there else 0.0
         ratio[k] = number if there else 1.0
         rho2[k] = found if there else np.inf
-    bits = rho2.view(np.int64)
-    for k in range(blocks):
-        cells[k] = int32(bits[k] >> 44) & int32(255)
-    for k in range(blocks, (blocks + 15) & ~7):  # lambdas reads whole vectors
-        rho2[k], cells[k] = 1.0, int32(0)
 
 
 @kernel(void(JOB, int64, int64, RUNS, SCRATCH))
@@ -99,7 +93,7 @@ def footprints(job, u, count, runs, scratch):
     row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     most = float64(row[R.PROBES]) if row[R.PROBES] else -float_of(row[R.ANISOTROPY])
-    exact, lod, cells = row[R.EXACT_PROBES] != 0, ints[R.LOD], ints[R.LEVEL]
+    exact, lod, logs, cells = row[R.EXACT_PROBES] != 0, ints[R.LOD], ints[R.FACE], ints[R.LEVEL]
     for k in range(runs.count):
         owner, start, end = int64(ints[R.OWNER, k]), int64(runs.starts[k]), int64(runs.starts[k + 1])
         px, py = int64(runs.x[k]), int64(runs.y[k]) & ~1
@@ -107,8 +101,9 @@ def footprints(job, u, count, runs, scratch):
         blocks = (end - start + odd + 1) >> 1
         v0, v1, v2 = p.triangles[owner, 0], p.triangles[owner, 1], p.triangles[owner, 2]
         source = iterated(p.vertices, v0, v1, v2, u)
-        _blocks(source, (width, height), (most, exact), px - odd, py, blocks, floats, cells)
-        lambdas(floats[R.EXTRA], cells, int64(0), blocks, row, lod, start, odd)
+        _blocks(source, (width, height), (most, exact), px - odd, py, blocks, floats)
+        logarithms(floats[R.EXTRA], blocks, logs, cells)
+        lambdas(logs, int64(0), blocks, row, lod, start, odd)
         for i in range(start, end):
             block = (i - start + odd) >> 1
             floats[R.ALONG_S, i] = floats[R.P, block]

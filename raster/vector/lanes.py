@@ -577,7 +577,7 @@ def _loader(vector):
 
 load_u8x16, load_u8x32 = _loader(U8X16), _loader(U8X32)
 load_i16x16, load_i16x32 = _loader(I16X16), _loader(I16X32)
-load_i32x16, load_i32x32 = _loader(I32X16), _loader(I32X32)
+load_i32x8, load_i32x16, load_i32x32 = _loader(I32X8), _loader(I32X16), _loader(I32X32)
 load_f32x16 = _loader(F32X16)
 load_f64x8, load_f64x16 = _loader(F64X8), _loader(F64X16)
 
@@ -726,7 +726,8 @@ def _each_loader(vector):
     return load_each
 
 
-load_each_i32x16, load_each_i64x8 = _each_loader(I32X16), _each_loader(I64X8)
+load_each_i32x8, load_each_i32x16 = _each_loader(I32X8), _each_loader(I32X16)
+load_each_i64x8 = _each_loader(I64X8)
 
 
 @intrinsic

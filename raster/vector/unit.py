@@ -303,7 +303,7 @@ def sample(job, u, count, segments, runs, scratch):
     if path == C.PATH_ITERATED:
         filter_located(pairs, row, scratch.located[source], count, planes, plane)
         return
-    room = floats[R.TEXEL], ints[R.LEVEL]
+    room = ints[R.FACE], ints[R.LEVEL]
     level_of_detail(runs, triangles, p.vertices, u, row, levels, ints, room)
     fixed = f_s, f_t, ints[R.LOD]
     filter_mipmapped(pairs, levels, row, fixed, count, scratch.located[u], planes, plane)

@@ -8,7 +8,7 @@ from fixedpipe.raster.arrays import Runs, State, Textures, Vertices
 from fixedpipe.raster.portable.arrays import Combiners, Edges, FogFactors, Pass, Scratch
 from fixedpipe.raster.portable.level_of_detail import level_of_detail as portable
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO, log2_q7
-from fixedpipe.raster.vector.level_of_detail import lambdas, level_of_detail
+from fixedpipe.raster.vector.level_of_detail import lambdas, level_of_detail, logarithms
 
 BATCH, SLACK = 2048, 32
 NO_LIMITS = {"MIN_LOD": -(1 << 21), "MAX_LOD": 1 << 21}
@@ -21,6 +21,14 @@ def unit_row(**entries):
     return unit
 
 
+def lod_of(rho2):
+    """LOD of two fragments for each squared scale factor, of which there are whole vectors."""
+    logs, lod = np.zeros(rho2.size, np.int32), np.zeros(2 * rho2.size, np.int32)
+    logarithms(rho2, rho2.size, logs, np.zeros_like(logs))
+    lambdas(logs, 0, rho2.size, unit_row(), lod, 0, 0)
+    return lod
+
+
 def test_every_threshold_of_the_logarithm_is_met():
     mantissas = np.concatenate([POWERS_OF_TWO, 1 + np.arange(4096) / 4096])
     mantissas = np.concatenate([mantissas, np.nextafter(mantissas, 0), np.nextafter(mantissas, 2)])
@@ -28,18 +36,14 @@ def test_every_threshold_of_the_logarithm_is_met():
     for scale in (1.0, 2.0**-40, 2.0**1000, 2.0**-1060):  # the last: subnormal numbers
         rho2 = mantissas * scale
         rho2 = np.concatenate([rho2, np.zeros(-rho2.size % 8 + 8)])
-        cells = ((rho2.view(np.int64) >> 44) & 255).astype(np.int32)
-        lod = np.zeros(2 * rho2.size, np.int32)
-        lambdas(rho2, cells, 0, rho2.size, unit_row(), lod, 0, 0)
+        lod = lod_of(rho2)
         expected = [log2_q7(value) if value else -FAR for value in rho2]
         assert (lod[::2] == expected).all() and (lod[1::2] == expected).all()
 
 
 def test_the_smallest_number_of_lanes_holds_infinity_and_zero():
     rho2 = np.array([np.inf, 0.0, -0.0, 1.0, np.inf, 4.0, 0.25, np.inf])
-    cells = ((rho2.view(np.int64) >> 44) & 255).astype(np.int32)
-    lod = np.zeros(16, np.int32)
-    lambdas(rho2, cells, 0, 8, unit_row(), lod, 0, 0)
+    lod = lod_of(rho2)
     assert (lod[::2] == [FAR, -FAR, -FAR, 0, FAR, 256, -256, FAR]).all()
 
 
@@ -140,7 +144,7 @@ def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
             vertices = Vertices(x, y, np.zeros(len(x)), inverse_w, colors, coordinates)
             portable_lambda(runs, triangles, vertices, unit, levels, ints[0])
             size = BATCH // 2 + 24
-            room = np.zeros(size), np.full(size, 1 << 30, np.int32)
+            room = np.full(size, 1 << 30, np.int32), np.full(size, 1 << 30, np.int32)
             level_of_detail(runs, triangles, vertices, 1, unit, levels, ints[1], room)
             assert (ints[0, :, :BATCH] == ints[1, :, :BATCH]).all()
             if limits is NO_LIMITS and kind != "hostile":
