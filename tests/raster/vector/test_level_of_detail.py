@@ -126,26 +126,59 @@ def portable_lambda(runs, triangles, vertices, row, levels, ints):
     portable(p, 1, runs, scratch)
 
 
+def assert_lambdas_agree(scene, spans, unit):
+    """Both kernels' LOD of a batch's runs, which is returned."""
+    (triangles, x, y, inverse_w, coordinates), (starts, run_x, run_y, owner) = scene, spans
+    levels = np.zeros((rows.MAX_LEVELS, 3), np.int32)
+    levels[0] = 0, 256, 64
+    ints = np.full((2, rows.INT_COLUMNS, BATCH + SLACK), -9, np.int32)
+    ints[:, rows.OWNER] = owner
+    runs = Runs(starts, run_x, run_y, starts.size - 1)
+    colors = np.zeros((len(x), 2, 8), np.uint8)
+    vertices = Vertices(x, y, np.zeros(len(x)), inverse_w, colors, coordinates)
+    portable_lambda(runs, triangles, vertices, unit, levels, ints[0])
+    size = BATCH // 2 + 24
+    room = np.full(size, 1 << 30, np.int32), np.full(size, 1 << 30, np.int32)
+    level_of_detail(runs, triangles, vertices, 1, unit, levels, ints[1], room)
+    assert (ints[0, :, : starts[-1]] == ints[1, :, : starts[-1]]).all()
+    return ints[0, rows.LOD, : starts[-1]]
+
+
 @pytest.mark.parametrize("target", [0, 1, 4])
 @pytest.mark.parametrize("kind", ["ordinary", "affine", "exact", "guard band", "hostile"])
 def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
     rng = np.random.default_rng(5)
-    levels = np.zeros((rows.MAX_LEVELS, 3), np.int32)
-    levels[0] = 0, 256, 64
     for projective in (0, 1):
         for limits in (NO_LIMITS, {"MIN_LOD": -37, "MAX_LOD": 900, "LOD_BIAS": -21}):
             unit = unit_row(TARGET=target, LAYERS=16, PROJECTIVE=projective, **limits)
-            triangles, x, y, inverse_w, coordinates = random_scene(rng, kind)
-            starts, run_x, run_y, owner = random_runs(rng, len(triangles))
-            ints = np.full((2, rows.INT_COLUMNS, BATCH + SLACK), -9, np.int32)
-            ints[:, rows.OWNER] = owner
-            runs = Runs(starts, run_x, run_y, starts.size - 1)
-            colors = np.zeros((len(x), 2, 8), np.uint8)
-            vertices = Vertices(x, y, np.zeros(len(x)), inverse_w, colors, coordinates)
-            portable_lambda(runs, triangles, vertices, unit, levels, ints[0])
-            size = BATCH // 2 + 24
-            room = np.full(size, 1 << 30, np.int32), np.full(size, 1 << 30, np.int32)
-            level_of_detail(runs, triangles, vertices, 1, unit, levels, ints[1], room)
-            assert (ints[0, :, :BATCH] == ints[1, :, :BATCH]).all()
+            scene = random_scene(rng, kind)
+            lod = assert_lambdas_agree(scene, random_runs(rng, len(scene[0])), unit)
             if limits is NO_LIMITS and kind != "hostile":
-                assert np.unique(ints[0, rows.LOD, :BATCH]).size > 4
+                assert np.unique(lod).size > 4
+
+
+def seen_from_inside(rng, kind):
+    """A triangle around the pixels (0, 0) to (600, 600), whose coordinates give many lambdas."""
+    corners = np.array([(-900, -700), (2600, -800), (100, 2900)]) + rng.integers(-99, 99, (3, 2))
+    x, y = (16 * corners.T + rng.integers(0, 16, (2, 3))).astype(np.int32)
+    inverse_w = np.exp2(rng.uniform(-2, 2, 3))
+    coordinates = rng.uniform(-1, 1, (3, 2, 4)) * 10.0 ** rng.uniform(-2, 2)
+    if kind == "horizon":  # through infinity: weights without bounds, where the sum of edge functions is small
+        inverse_w[rng.integers(3)] *= -rng.uniform(0.5, 1)
+    if kind == "far away":  # rounded, as they are iterated, to more than a pixel's step
+        coordinates = 2.0 ** rng.integers(38, 50) + rng.uniform(-1, 1, coordinates.shape)
+    return np.array([[0, 1, 2]], np.int32), x, y, inverse_w, coordinates
+
+
+@pytest.mark.parametrize("kind", ["floor", "horizon", "far away"])
+def test_rows_of_a_triangle_have_the_lambda_of_the_portable_kernel(kind):
+    found = set()
+    for seed in range(150):
+        rng = np.random.default_rng(seed)
+        lengths = rng.integers(1, 600, 3)
+        starts = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
+        places = rng.integers(0, 600, (2, 3)).astype(np.int32)
+        spans = starts, *places, np.zeros(BATCH + SLACK, np.int32)
+        lod = assert_lambdas_agree(seen_from_inside(rng, kind), spans, unit_row())
+        found.update(lod.tolist())
+    assert len(found) > (1000 if kind != "far away" else 20)
