@@ -171,6 +171,23 @@ def locate_levels(levels, unit, f_s, f_t, lod, step, count, located):
     mag_fraction, min_fraction = int32(255 * unit[R.MAG_LINEAR]), int32(255 * unit[R.MIN_LINEAR])
     first, weights, between = located[2 * step + FIRST], located[2 * step + WEIGHTS], located[BETWEEN]
     one, zero = int32(1), i32x16(int32(0))
+    if repeat_s and repeat_t and threshold <= int32(0) and unit[R.MAG_LINEAR] and unit[R.MIN_LINEAR]:
+        # Both repeat, nothing is limited; both filters are one, and a lambda below the threshold is 0.
+        for at in range(0, _rounded(count), 16):
+            value = minimum(maximum(load_i32x16(lod, at), int32(0)), top)
+            level = minimum(((value + rounding) >> int32(8)) + step, last)
+            base = i32x16(levels[low_level, 0])
+            for k in range(low_level + 1, high_level + 1):
+                base = select(level >= int32(k), i32x16(levels[k, 0]), base)
+            shift_s, shift_t = minimum(level, bits_s), minimum(level, bits_t)
+            size_s, size_t = i32x16(width) >> shift_s, i32x16(height) >> shift_t
+            s = (load_i32x16(f_s, at) >> shift_s) - int32(128)
+            t = (load_i32x16(f_t, at) >> shift_t) - int32(128)
+            column, row = (s >> int32(8)) & (size_s - one), (t >> int32(8)) & (size_t - one)
+            store(first, at, ((row * (size_s + one) + column) << one) + base)
+            store(weights, at, (s & int32(255)) | ((t & int32(255)) << int32(16)))
+            store(between, at, value & int32(255))
+        return highest
     for at in range(0, _rounded(count), 16):
         value = load_i32x16(lod, at)
         magnified = value <= threshold
@@ -301,20 +318,23 @@ def fetch_blended(pairs, located, count, registers, plane):
 
 
 @kernel
-def _compared(texel, reference, less, equal, greater):
-    """What a comparison makes of depth words."""
-    return select(reference < texel, less, select(reference == texel, equal, greater))
+def _holds(texel, reference, of_equal):
+    """Whether depth words are equal (``of_equal``), or the reference the smaller one."""
+    return reference == texel if of_equal else reference < texel
 
 
 @kernel
-def _compared_footprint(pairs, first, weights, reference, at, lower, upper):
+def _compared_footprint(pairs, first, weights, reference, at, of_equal, outcomes):
     """The filtered comparisons of sixteen fragments, every second one from ``at`` on, in 32-bit lanes; theirs
-    are ``weights`` and ``reference``. ``lower``, ``upper``: what less, equal and greater make of the lower
-    two texels, in the lower halves of lanes, and of the upper two.
+    are ``weights`` and ``reference``. ``outcomes``: what a texel becomes for which ``_holds``, and another:
+    the lower two in the lower halves of lanes, then the upper two.
     """
+    (lower, lower_not), (upper, upper_not) = outcomes
     p00, p01, p10, p11 = load_quads(pairs, first, at)
-    left = _compared(p00, reference, *lower) | _compared(p01, reference, *upper)
-    right = _compared(p10, reference, *lower) | _compared(p11, reference, *upper)
+    left = select(_holds(p00, reference, of_equal), lower, lower_not)
+    right = select(_holds(p10, reference, of_equal), lower, lower_not)
+    left = left | select(_holds(p01, reference, of_equal), upper, upper_not)
+    right = right | select(_holds(p11, reference, of_equal), upper, upper_not)
     across = _doubled(weights & int32(0xFFFF))
     rows = lanes_of_halves(mixed_bytes(halves_of_lanes(left), halves_of_lanes(right), across))
     above, below = halves_of_lanes(rows >> int32(16)), halves_of_lanes(rows & int32(0xFFFF))
@@ -322,13 +342,9 @@ def _compared_footprint(pairs, first, weights, reference, at, lower, upper):
 
 
 @kernel
-def _outcomes(function, value):
-    """Lanes of ``value`` for each of less, equal and greater that ``function`` has, of zero for others."""
-    return (
-        i32x16(value if function & C.COMPARISON_LESS else int32(0)),
-        i32x16(value if function & C.COMPARISON_EQUAL else int32(0)),
-        i32x16(value if function & C.COMPARISON_GREATER else int32(0)),
-    )
+def _outcome(function, bit, value):
+    """Lanes of ``value`` if the comparison function has a bit, else of zero."""
+    return i32x16(value if function & bit else int32(0))
 
 
 @kernel("void(u4[::1],i4[:,::1],i4[::1],i8,i8,i2[:,::1],i8)")
@@ -336,16 +352,26 @@ def fetch_compared(pairs, located, references, function, count, registers, plane
     """Texels that are depth words, each replaced by 255 where "reference FUNC texel" holds and else by 0,
     then filtered: into four planes from ``plane`` on.
 
-    references: int32, depth words.
+    references: int32, depth words, not negative.
     """
     separate_loop()
     first, weights = located[FIRST], located[WEIGHTS]
-    lower, upper = _outcomes(function, int32(255)), _outcomes(function, int32(255 << 16))
+    less, equal = (function & C.COMPARISON_LESS) != 0, (function & C.COMPARISON_EQUAL) != 0
+    greater = (function & C.COMPARISON_GREATER) != 0
+    # One comparison for each texel: equal words count with those on one side, unless neither side is like them.
+    of_equal = less == greater and equal != less
+    nearer = int32(1 if equal == less else 0)
+    holds = C.COMPARISON_EQUAL if of_equal else C.COMPARISON_LESS
+    low, high = int32(255), int32(255 << 16)
+    lower = _outcome(function, holds, low), _outcome(function, C.COMPARISON_GREATER, low)
+    upper = _outcome(function, holds, high), _outcome(function, C.COMPARISON_GREATER, high)
     for at in range(0, count, 32):
         weights0, weights1 = _two_weights(weights, at)
         reference0, reference1 = _two_weights(references, at)
-        one = _compared_footprint(pairs, first, weights0, reference0, at, lower, upper)
-        other = _compared_footprint(pairs, first, weights1, reference1, at + 1, lower, upper)
+        if not of_equal:
+            reference0, reference1 = reference0 - nearer, reference1 - nearer
+        one = _compared_footprint(pairs, first, weights0, reference0, at, of_equal, (lower, upper))
+        other = _compared_footprint(pairs, first, weights1, reference1, at + 1, of_equal, (lower, upper))
         value = halves_of_lanes(one | (other << int32(16)))
         store(registers[plane], at, value)
         store(registers[plane + 1], at, value)
