@@ -248,7 +248,7 @@ def iterate_floats(segments, triangles, coordinates, unit, component, floats, si
 
 @kernel(boolean(LISTED, int32[:, ::1], float64[:, :, ::1], int64, float32[:, ::1]))
 def iterate_singles(segments, triangles, coordinates, unit, singles):
-    """Whether s, t, r and q of a batch are all float32; if so, they are in SINGLE_COORDINATE and behind it."""
+    """Whether s, t, r and q of a batch are float32; if so, they are in SINGLE_COORDINATE and behind it."""
     separate_function()
     starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
     single = segments.lists[R.SINGLE]

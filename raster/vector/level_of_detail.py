@@ -85,8 +85,9 @@ def _coordinates(n, inverse_w, s, t, q, projective):
 
 @kernel
 def _is_tame(n, right, down):
-    """Whether all weights at a block's three points are small, and their sums much the same; ``n``, ``right``,
-    ``down``: edge functions and their steps, divided by w.
+    """Whether all weights at a block's three points are small, and their sums much the same.
+
+    ``n``, ``right``, ``down``: edge functions and their steps, divided by w.
     """
     (e0, e1, e2), (r0, r1, r2), (q0, q1, q2) = n, right, down
     largest = max(abs(e0), max(abs(e1), abs(e2)))
@@ -192,12 +193,12 @@ def _scale_factors(source, sizes, modes, px, py, blocks, logs, cells):
     if flat:
         t = (0.0, 0.0, 0.0)
     n, right, down = (n0, n1, n2), (right0, right1, right2), (down0, down1, down2)
-    over_w, right_over_w, down_over_w = _divided(n, inverse_w), _divided(right, inverse_w), _divided(down, inverse_w)
+    right_over_w, down_over_w = _divided(right, inverse_w), _divided(down, inverse_w)
     far = 2.0 * float64(blocks - 1)
     last = n0 + far * right0, n1 + far * right1, n2 + far * right2
     steepest = max(abs(right0), max(abs(right1), abs(right2)))
     near = not projective and max(abs(n0), max(abs(n1), abs(n2))) * steepest < _EXACT_PRODUCT
-    near = near and _is_tame(over_w, right_over_w, down_over_w)
+    near = near and _is_tame(_divided(n, inverse_w), right_over_w, down_over_w)
     near = near and _is_tame(_divided(last, inverse_w), right_over_w, down_over_w)
     texels = _scaled(s, width), _scaled(t, height)
     along = _numerator(n, right, inverse_w, texels)

@@ -358,7 +358,7 @@ def fetch_compared(pairs, located, references, function, count, registers, plane
     first, weights = located[FIRST], located[WEIGHTS]
     less, equal = (function & C.COMPARISON_LESS) != 0, (function & C.COMPARISON_EQUAL) != 0
     greater = (function & C.COMPARISON_GREATER) != 0
-    # One comparison for each texel: equal words count with those on one side, unless neither side is like them.
+    # One comparison for each texel: equal words count with those on one side, unless they differ from both.
     of_equal = less == greater and equal != less
     nearer = int32(1 if equal == less else 0)
     holds = C.COMPARISON_EQUAL if of_equal else C.COMPARISON_LESS

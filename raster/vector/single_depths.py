@@ -1,5 +1,5 @@
-"""Depth words of a triangle's fragments in float32 and int32 that the processor cuts (``rounding``): the values
-of ``interpolate.run_depth`` and ``interpolate.triangle_depth``, where one seed serves the whole triangle.
+"""Depth words of a triangle's fragments in float32 that the processor cuts (``rounding``) and int32: the
+values of ``interpolate.run_depth`` and ``triangle_depth``, where one seed serves the whole triangle.
 
 A depth is a whole number of units of N5.3, so its sum is an int32. N5.2's reciprocal has 29 bits: a float32
 has the upper 24 of the least that the triangle's fragments take, a second one what is more.
@@ -165,7 +165,8 @@ def keep_depths(ints, size, exact, depths):
     if z0 == z1 and z1 == z2:  # one word for all: ``run_depth`` just stores it
         return False
     z10, z20, z21 = depth_difference(z1, z0), depth_difference(z2, z0), depth_difference(z2, z1)
-    usual = is_usual(z0) and is_usual(z1) and is_usual(z2) and is_usual(z10) and is_usual(z20) and is_usual(z21)
+    usual = is_usual(z0) and is_usual(z1) and is_usual(z2)
+    usual = usual and is_usual(z10) and is_usual(z20) and is_usual(z21)
     added = int32(min(max(offset, -LARGEST_OFFSET), LARGEST_OFFSET))
     # A sum below zero is cut toward zero, not to its floor: without an offset upward it is at the limit.
     positive = offset <= 0.0 or min(z0, min(z1, z2)) >= 0.0
@@ -183,7 +184,7 @@ def keep_depths(ints, size, exact, depths):
 
 @kernel(inlined=True)
 def have_24_bits(edges):
-    """Whether a triangle's edge functions have 24 bits at every pixel: as ``interpolate.are_exact`` has it."""
+    """Whether a triangle's edge functions have 24 bits at every pixel (``interpolate.are_exact``)."""
     (n0, n1, n2), (right0, right1, right2), (down0, down1, down2), area, _sign = edges
     bits = ((n0 | n1 | n2) | (right0 | right1 | right2)) | (down0 | down1 | down2)
     return float64(area) < 2.0**24 * float64(bits & -bits)
@@ -222,8 +223,9 @@ def depths_by_largest(numbers, at, first, second):
     rest_a, rest_b = fused(first, d_first, a * -1.0), fused(second, d_second, b * -1.0)
     largest = maximum(maximum(exponent(a), exponent(b)), whole(numbers, at + FIELD))
     scale = singles_of_bits(int32((2 * _ONE + 28) << _PLACES) - largest)
-    total = to_int32(floored(single(numbers, at + DEPTH) * scale)) + (to_int32(a * scale) + to_int32(rest_a * scale))
-    total = total + (to_int32(b * scale) + to_int32(rest_b * scale))
+    of_a = to_int32(a * scale) + to_int32(rest_a * scale)
+    of_b = to_int32(b * scale) + to_int32(rest_b * scale)
+    total = (to_int32(floored(single(numbers, at + DEPTH) * scale)) + of_a) + of_b
     return to_float32(total) * singles_of_bits(largest - int32(28 << _PLACES))
 
 

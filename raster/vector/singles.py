@@ -350,9 +350,9 @@ def is_usual(value):
 
 @kernel
 def single_coordinate(singles, component, begin, end, terms, log2_factor):
-    """SINGLE_COORDINATE, or ``component`` columns behind it, of a triangle's fragments: a texture coordinate times 2**log2_factor, of the sum that
-    ``interpolate.terms_of`` makes from SINGLE_Q0 and SINGLE_Q2. False where some is below EXACT_FROM and not
-    zero: then nothing of it may be used.
+    """SINGLE_COORDINATE, or ``component`` columns behind it, of a triangle's fragments: a texture coordinate
+    times 2**log2_factor, of the sum that ``interpolate.terms_of`` makes from SINGLE_Q0 and SINGLE_Q2. False
+    where some is below EXACT_FROM and not zero: then nothing of it may be used.
 
     ``terms``: vertex 1's number, and how far vertices 0 and 2 are from it. Of the first no more than 24 bits
     reach the sum.

@@ -191,7 +191,8 @@ def is_usual_shadow(row, levels):
     edge, largest = int64(C.WRAP_CLAMP_TO_EDGE), max(float64(levels[0, 1]), float64(levels[0, 2]))
     compares = row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE and row[R.DEPTH_TEXEL_FORMAT] == C.DEPTH_FIXED
     plain = row[R.TARGET] == C.TARGET_2D and row[R.PROJECTIVE] != 0 and row[R.MAG_LINEAR] != 0
-    return compares and plain and row[R.WRAP_S] == edge and row[R.WRAP_T] == edge and largest <= LARGEST_SHADOW
+    to_edges = row[R.WRAP_S] == edge and row[R.WRAP_T] == edge
+    return compares and plain and to_edges and largest <= LARGEST_SHADOW
 
 
 @kernel(void(JOB, int64, int64, int64, SCRATCH))

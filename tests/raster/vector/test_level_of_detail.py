@@ -163,7 +163,7 @@ def seen_from_inside(rng, kind):
     x, y = (16 * corners.T + rng.integers(0, 16, (2, 3))).astype(np.int32)
     inverse_w = np.exp2(rng.uniform(-2, 2, 3))
     coordinates = rng.uniform(-1, 1, (3, 2, 4)) * 10.0 ** rng.uniform(-2, 2)
-    if kind == "horizon":  # through infinity: weights without bounds, where the sum of edge functions is small
+    if kind == "horizon":  # through infinity: weights without bounds, where edge functions' sum is small
         inverse_w[rng.integers(3)] *= -rng.uniform(0.5, 1)
     if kind == "far away":  # rounded, as they are iterated, to more than a pixel's step
         coordinates = 2.0 ** rng.integers(38, 50) + rng.uniform(-1, 1, coordinates.shape)

@@ -78,7 +78,8 @@ def expected_fixed(strq, size):
 @example(0, 4096, True)
 def test_places_in_a_shadow_map_are_those_of_its_steps(seed, size, far):
     strq, found = columns(seed, size, far), np.zeros((3, COUNT), np.int32)
-    fixed_from_projected(strq, singles_of(strq), tuple(found), (float(size), float(size), SCALE), SCALE, COUNT)
+    sizes = float(size), float(size), SCALE
+    fixed_from_projected(strq, singles_of(strq), tuple(found), sizes, SCALE, COUNT)
     assert found.tolist() == expected_fixed(strq, size).tolist()
 
 

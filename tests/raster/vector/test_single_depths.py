@@ -120,7 +120,7 @@ def lower_parts(numbers, totals, out):
 
 
 def sums_below(area):
-    """All sums that edge functions of an area may have, in vectors of sixteen: each loses less than 2**-23."""
+    """All sums that an area's edge functions may have, in vectors of sixteen: they lose less than 2**-23."""
     lost = (area >> 23) + 1
     return area - np.resize(np.arange(lost), -(-lost // 16) * 16)
 
