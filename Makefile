@@ -17,6 +17,8 @@ MACHINES ?=
 WORKERS ?= --numprocesses auto --maxprocesses 8 --dist worksteal
 # The folders under the name by which they are imported: mypy does not follow an editable install's hook.
 NAMED := .cache/types/fixedpipe
+# Hundreds of processes import the same modules. Where bytecode is not written, each of them compiles these anew.
+unexport PYTHONDONTWRITEBYTECODE
 CAPTURES := $(abspath ../shared/silicon/golden/results)
 ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
