@@ -57,6 +57,8 @@ _UPPER, _LARGEST = 20, 0x7FE << 20  # bits of a mantissa in a float64's upper ha
 _TAME = 4.0  # how large a weight, and how far apart the sums of a block's points, may be
 _SMALLEST_PART = 2.0**-20  # of a coordinate's extent
 _EXACT_PRODUCT = 2.0**52
+# Of sums D, and of what _SMALLEST_PART is of coordinates: no product or square then leaves float64's range.
+_LEAST_SUM, _MOST_SUM, _LEAST_STEP, _MOST_STEP = 2.0**-80, 2.0**120, 2.0**-150, 2.0**150
 
 
 @kernel
@@ -96,7 +98,8 @@ def _is_tame(n, right, down):
     total = (e0 + e1) + e2
     total1, total2 = total + ((r0 + r1) + r2), total + ((q0 + q1) + q2)
     least, most = min(total, min(total1, total2)), max(total, max(total1, total2))
-    return least > 0.0 and most <= _TAME * least and max(largest, max(beside, below)) <= _TAME * least
+    in_range = least >= _LEAST_SUM and most <= _MOST_SUM
+    return in_range and most <= _TAME * least and max(largest, max(beside, below)) <= _TAME * least
 
 
 @kernel
@@ -203,6 +206,7 @@ def _scale_factors(source, sizes, modes, px, py, blocks, logs, cells):
     texels = _scaled(s, width), _scaled(t, height)
     along = _numerator(n, right, inverse_w, texels)
     smallest = (_extent(s, width) + _extent(t, height)) * _SMALLEST_PART
+    near = near and _LEAST_STEP <= smallest <= _MOST_STEP
     least = int32(bits_of(smallest * smallest) >> int64(32))
     one_sum = inverse_w[0] == inverse_w[1] and inverse_w[1] == inverse_w[2]
     for at in range(0, blocks, 8):

@@ -44,6 +44,7 @@ LARGEST_AREA = 2.0**40  # no weight is below 2**-41 and not zero
 LARGEST_OFFSET = 2.0**24  # in units: more leaves no depth that is not at a limit
 _LEAST = 2.0**-34  # of depths and of their differences, but zero: times a weight they are above 2**-76
 _MOST = 2.0**25  # of them: a unit is then a fraction
+_LEAST_DEPTH = 2.0**-3  # of a depth, but zero: not below a unit, so that float64's sums are exact
 _NONE = 2.0**-90  # below all of these
 _ONE, _PLACES = 127, 23  # exponent field of 1, and where it is
 _SEED_BITS, _BITS, _UPPER = 14, 29, 24  # of a seed, a reciprocal, and a float32
@@ -91,8 +92,14 @@ def single(numbers, place):
 
 @kernel(inlined=True)
 def is_usual(z):
-    """Whether a vertex's depth, or a difference, times a weight is a float32, and its unit a fraction."""
+    """Whether a difference of depths, times a weight, is a float32, and its unit a fraction."""
     return z == 0.0 or _LEAST <= abs(z) <= _MOST
+
+
+@kernel(inlined=True)
+def is_depth(z):
+    """Whether a vertex's depth is usual, and no bit of it is lost where float64 adds it to larger terms."""
+    return z == 0.0 or _LEAST_DEPTH <= abs(z) <= _MOST
 
 
 @kernel(inlined=True)
@@ -165,7 +172,7 @@ def keep_depths(ints, size, exact, depths):
     if z0 == z1 and z1 == z2:  # one word for all: ``run_depth`` just stores it
         return False
     z10, z20, z21 = depth_difference(z1, z0), depth_difference(z2, z0), depth_difference(z2, z1)
-    usual = is_usual(z0) and is_usual(z1) and is_usual(z2)
+    usual = is_depth(z0) and is_depth(z1) and is_depth(z2) and low <= low
     usual = usual and is_usual(z10) and is_usual(z20) and is_usual(z21)
     added = int32(min(max(offset, -LARGEST_OFFSET), LARGEST_OFFSET))
     # A sum below zero is cut toward zero, not to its floor: without an offset upward it is at the limit.

@@ -182,3 +182,15 @@ def test_rows_of_a_triangle_have_the_lambda_of_the_portable_kernel(kind):
         lod = assert_lambdas_agree(seen_from_inside(rng, kind), spans, unit_row())
         found.update(lod.tolist())
     assert len(found) > (1000 if kind != "far away" else 20)
+
+
+@pytest.mark.parametrize("k", [-299, -297, -150, 0, 150, 250])
+@pytest.mark.parametrize("scale", [1.0, 2.0**-126, 2.0**-300, 2.0**120])
+def test_numbers_near_the_ends_of_float64_have_the_lambda_of_the_portable_kernel(k, scale):
+    x, y = (16 * np.array([(-900, 2600, 100), (-700, -800, 2900)])).astype(np.int32)
+    coordinates = np.zeros((3, 2, 4))
+    coordinates[:, :, 0], coordinates[:, :, 1] = [[2.1], [0.0], [0.9]], [[1.0], [0.0], [4.5]]
+    scene = np.array([[0, 1, 2]], np.int32), x, y, np.array([1.0, 1.3, 0.8]) * 2.0**k, coordinates * scale
+    for row in (10, 200, 400):
+        spans = (np.array(part, np.int32) for part in ([0, 500], [10], [row]))
+        assert_lambdas_agree(scene, (*spans, np.zeros(BATCH + SLACK, np.int32)), unit_row())

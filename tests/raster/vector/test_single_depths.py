@@ -70,9 +70,9 @@ def kept(area, exact, of):
     ((2.0**30 - 7.0, 2.0**20 + 1.0, 6.0), (-9.0, 4.0, 5.0), 90, None),
     Depths((0.0, single(0.9 * MOST), single(-1e-9)), 0.0, 0.0, MOST),
 )
-@example(  # below zero by less than a unit beside a whole sum
+@example(  # below zero beside a whole sum
     ((2.0**20, 2.0**19, 2.0**19), (0.0, 0.0, 0.0), 1, None),
-    Depths((single(-1e-9), 2.0**20, 2.0**20), 0.0, 0.0, MOST),
+    Depths((single(-0.3), 2.0**20, 2.0**20), 0.0, 0.0, MOST),
 )
 @example(  # differences of more than twice P(z): the largest term is another vertex's
     ((27630.0, 2262797.0, 1557293.0), (796.0, -803.0, 7.0), 60, None),
@@ -155,6 +155,10 @@ def test_some_triangles_are_left_to_float64():
     assert kept(2**30, True, usual._replace(offset=0.5)) is None
     assert kept(2**30, True, usual._replace(offset=1e9)) is None
     assert kept(2**30, True, usual._replace(vertices=(2.0**-40, 1.0, 2.0))) is None
+    # float64 loses a part of such a depth, and float32 does not
+    assert kept(1024, True, usual._replace(vertices=(-(2.0**-34), 2.0**21, 2.0**21))) is None
+    assert kept(657, True, usual._replace(vertices=(4628119.5, 0.007812499534338713, 11848311.0))) is None
+    assert kept(2**30, True, usual._replace(low=np.nan)) is None
     assert kept(2**30, True, usual._replace(vertices=(2.0**26, 1.0, 2.0))) is None
     below = usual._replace(vertices=(-0.25, 1.0, 2.0))
     assert kept(2**30, True, below._replace(offset=3.0)) is None
