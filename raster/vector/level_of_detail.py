@@ -53,7 +53,7 @@ CELLS = _logarithm_cells()
 # The same of a mantissa's upper 20 bits. No threshold is nearer than NEAR to a part's first number, but 1.
 NEAR_CELLS = (CELLS >> 32).astype(np.int32)
 NEAR = 8
-_UPPER, _LARGEST = 20, 0x7FE << 20  # bits of a mantissa in a float64's upper half; what is not infinite there
+_UPPER, _LARGEST = 20, 0x7FE << 20  # bits of a mantissa in a float64's upper half; 2**1023 there
 _TAME = 4.0  # how large a weight, and how far apart the sums of a block's points, may be
 _SMALLEST_PART = 2.0**-20  # of a coordinate's extent
 _EXACT_PRODUCT = 2.0**52

@@ -358,9 +358,10 @@ def fetch_compared(pairs, located, references, function, count, registers, plane
     first, weights = located[FIRST], located[WEIGHTS]
     less, equal = (function & C.COMPARISON_LESS) != 0, (function & C.COMPARISON_EQUAL) != 0
     greater = (function & C.COMPARISON_GREATER) != 0
-    # One comparison for each texel: equal words count with those on one side, unless they differ from both.
+    # One comparison for each texel. Where less and greater give the same, and equal does not, that is ==.
+    # Else it is <, of the reference or of the number below it: then equal words give what less does.
     of_equal = less == greater and equal != less
-    nearer = int32(1 if equal == less else 0)
+    equal_as_less = int32(1 if equal == less else 0)
     holds = C.COMPARISON_EQUAL if of_equal else C.COMPARISON_LESS
     low, high = int32(255), int32(255 << 16)
     lower = _outcome(function, holds, low), _outcome(function, C.COMPARISON_GREATER, low)
@@ -369,7 +370,7 @@ def fetch_compared(pairs, located, references, function, count, registers, plane
         weights0, weights1 = _two_weights(weights, at)
         reference0, reference1 = _two_weights(references, at)
         if not of_equal:
-            reference0, reference1 = reference0 - nearer, reference1 - nearer
+            reference0, reference1 = reference0 - equal_as_less, reference1 - equal_as_less
         one = _compared_footprint(pairs, first, weights0, reference0, at, of_equal, (lower, upper))
         other = _compared_footprint(pairs, first, weights1, reference1, at + 1, of_equal, (lower, upper))
         value = halves_of_lanes(one | (other << int32(16)))

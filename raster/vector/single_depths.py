@@ -1,8 +1,8 @@
 """Depth words of a triangle's fragments in float32 that the processor cuts (``rounding``) and int32: the
 values of ``interpolate.run_depth`` and ``triangle_depth``, where one seed serves the whole triangle.
 
-A depth is a whole number of units of N5.3, so its sum is an int32. N5.2's reciprocal has 29 bits: a float32
-has the upper 24 of the least that the triangle's fragments take, a second one what is more.
+What is added to a depth is a whole number of units of N5.3, so the sum is an int32. N5.2's reciprocal has 29
+bits: a float32 has the upper 24 of the least that the triangle's fragments take, a second one what is more.
 
 What is the same in all fragments lies in a row of numbers, which ``keep_depths`` writes once for a triangle:
 a call for each run would spend more time on its arguments than on sixteen fragments.
@@ -41,10 +41,11 @@ from fixedpipe.raster.vector.rounding import can_cut, toward_zero
 from fixedpipe.raster.vector.singles import LARGEST_INT32, cut_term, exponent
 
 LARGEST_AREA = 2.0**40  # no weight is below 2**-41 and not zero
-LARGEST_OFFSET = 2.0**24  # in units: more leaves no depth that is not at a limit
+LARGEST_OFFSET = 2.0**24  # in units: float64 adds larger ones
 _LEAST = 2.0**-34  # of depths and of their differences, but zero: times a weight they are above 2**-76
 _MOST = 2.0**25  # of them: a unit is then a fraction
-_LEAST_DEPTH = 2.0**-3  # of a depth, but zero: not below a unit, so that float64's sums are exact
+_LEAST_DEPTH = 2.0**-3  # not below any unit: float64's sums of such depths are exact
+_BELOW_TWO = 2.0 - 2.0**-20
 _NONE = 2.0**-90  # below all of these
 _ONE, _PLACES = 127, 23  # exponent field of 1, and where it is
 _SEED_BITS, _BITS, _UPPER = 14, 29, 24  # of a seed, a reciprocal, and a float32
@@ -98,16 +99,22 @@ def is_usual(z):
 
 @kernel(inlined=True)
 def is_depth(z):
-    """Whether a vertex's depth is usual, and no bit of it is lost where float64 adds it to larger terms."""
-    return z == 0.0 or _LEAST_DEPTH <= abs(z) <= _MOST
+    """Whether words have the floor of the exact sum though float64 rounds that, which adds a vertex's depth
+    first.
+
+    It rounds only where the unit is above the depth: then the sum's 53 bits do not reach the depth's last
+    one. So with a positive depth that is not within 2**-20 of the next power of two, the sum lies farther
+    from the next whole number than it is rounded by.
+    """
+    return z == 0.0 or _LEAST_DEPTH <= abs(z) <= _MOST or _LEAST <= z <= _BELOW_TWO * power_below(z)
 
 
 @kernel(inlined=True)
 def has_one_unit(z, first, second):
     """Whether a vertex's depth is the largest term beside it, with differences of two others.
 
-    Its edge function has the highest bit of all. So another vertex's weight is below 2/3, and with a
-    difference of up to twice P(z), what it adds is below 2 P(z).
+    Its edge function has the highest bit of all, so another vertex's weight is below 2/3. Times a difference
+    of up to 2 P(z) that is below 2 P(z): its highest bit is not above z's.
     """
     return z > 0.0 and max(abs(first), abs(second)) <= 2.0 * power_below(z)
 
@@ -164,7 +171,8 @@ def keep_reciprocals(numbers, area):
 def keep_depths(ints, size, exact, depths):
     """Whether a triangle's depth words may be made here; if so, its DEPTH_NUMBERS are kept.
 
-    ``size``: its area; ``exact``: whether its edge functions have 24 bits at every pixel.
+    ``size``: its area; ``exact``: whether its edge functions have 24 bits at every pixel. They do where the
+    area is below 2**24.
     """
     separate_function()
     numbers, area = ints[R.DEPTH_NUMBERS], float64(size)
@@ -172,10 +180,11 @@ def keep_depths(ints, size, exact, depths):
     if z0 == z1 and z1 == z2:  # one word for all: ``run_depth`` just stores it
         return False
     z10, z20, z21 = depth_difference(z1, z0), depth_difference(z2, z0), depth_difference(z2, z1)
-    usual = is_depth(z0) and is_depth(z1) and is_depth(z2) and low <= low
+    usual = is_depth(z0) and is_depth(z1) and is_depth(z2) and low <= low and high <= high
     usual = usual and is_usual(z10) and is_usual(z20) and is_usual(z21)
     added = int32(min(max(offset, -LARGEST_OFFSET), LARGEST_OFFSET))
-    # A sum below zero is cut toward zero, not to its floor: without an offset upward it is at the limit.
+    # A sum below zero is cut toward zero, not to its floor. Without an offset upward it is at the lower
+    # limit, which is not negative.
     positive = offset <= 0.0 or min(z0, min(z1, z2)) >= 0.0
     if not (can_cut() and usual and positive and 0.0 < area < LARGEST_AREA):
         return False
@@ -223,7 +232,7 @@ def depths_in_unit(numbers, at, first, second):
 def depths_by_largest(numbers, at, first, second):
     """Depths cut to 24 bits from two weights: each in the unit of its largest term.
 
-    Of the base's own depth the floor is enough: what it lacks is less than a unit, so no word shows it.
+    Of the base's own depth the floor is enough: what it lacks is less than a unit, and a unit is a fraction.
     """
     d_first, d_second = single(numbers, at + FIRST), single(numbers, at + SECOND)
     a, b = first * d_first, second * d_second
@@ -308,6 +317,7 @@ def cut_wide_depth(ints, position, count, n, right):
     numbers, words, ramp = ints[R.DEPTH_NUMBERS], ints[R.DEPTH_WORD], ramp_f64x16()
     a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2  # exact, as step by step
     step0, step1, step2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
+    # SHIFT is an older triangle's where EXACT is set: then ``units`` is not used.
     low, units = single(numbers, LOW), f64x16(1.0 / float64(int64(1) << int64(numbers[SHIFT])))
     for i in range(position, position + count, 16):
         if not numbers[EXACT]:

@@ -40,6 +40,7 @@ from fixedpipe.raster.vector.rounding import can_cut, toward_zero
 
 LARGEST_INT32 = 2.0**31  # of areas: edge functions below are int32
 LARGEST_RATIO = 2.0**60  # of factors: with areas below 2**53 no weight is then below 2**-117 and not zero
+LARGEST_DIFFERENCE = 2.0**97  # of coordinates: less than EXACT_FROM's exponent field
 BLOCK = 256  # fragments
 _ONE, _PLACES = 127, 23  # exponent field of 1, and where it is
 _EXPONENT = 0xFF << _PLACES
@@ -271,7 +272,8 @@ def largest_term(q0, q2, of0, of2, of_own):
     """The exponent field of the largest of products of highest bits (``interpolate.terms_of``).
 
     That of a product is the sum of its factors' fields; ``of0``, ``of2``: those of differences, less that of
-    1. With a factor of zero the sum is some number far below _EXACT_FROM.
+    1. With a factor of zero the sum is some number below _EXACT_FROM, as differences are below
+    LARGEST_DIFFERENCE.
     """
     return maximum(maximum(exponent(q0) + of0, exponent(q2) + of2), of_own)
 
@@ -284,10 +286,10 @@ def steps_of(largest):
 
 @kernel
 def cut_term(q, d):
-    """trunc(q d) as an int32, where it is below 2**25.
+    """trunc(q d) as an int32, which it must fit into.
 
-    Of 25 bits the product cut to 24 lacks the last one. The rest has it: that is exact, and of one sign with
-    the product.
+    From 2**24 on, the product cut to 24 bits is whole, and lacks last bits. The rest has these: it is exact,
+    and of one sign with the product. Below, the rest is a fraction that reaches no whole number.
     """
     product = q * d
     return to_int32(product) + to_int32(fused(q, d, product * -1.0))
@@ -359,7 +361,7 @@ def single_coordinate(singles, component, begin, end, terms, log2_factor):
     """
     v1, d0, d2 = terms
     v1 = truncate_24(v1)
-    if not (is_usual(v1) and is_usual(d0) and is_usual(d2)):
+    if not (is_usual(v1) and is_usual(d0) and is_usual(d2) and max(abs(d0), abs(d2)) < LARGEST_DIFFERENCE):
         return False
     return not coordinate_toward_zero(singles, component, begin, end, (v1, d0, d2), log2_factor)
 

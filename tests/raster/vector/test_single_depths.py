@@ -70,6 +70,10 @@ def kept(area, exact, of):
     ((2.0**30 - 7.0, 2.0**20 + 1.0, 6.0), (-9.0, 4.0, 5.0), 90, None),
     Depths((0.0, single(0.9 * MOST), single(-1e-9)), 0.0, 0.0, MOST),
 )
+@example(  # a near plane's depth, which float64 rounds away beside the others
+    ((2.0**30 + 5.0, 2.0**20 + 1.0, 6.0), (-900000.0, 4.0, 899996.0), 90, None),
+    Depths((single(1.5e-8), single(0.9 * MOST), single(0.97 * MOST)), 0.0, 0.0, MOST),
+)
 @example(  # below zero beside a whole sum
     ((2.0**20, 2.0**19, 2.0**19), (0.0, 0.0, 0.0), 1, None),
     Depths((single(-0.3), 2.0**20, 2.0**20), 0.0, 0.0, MOST),
@@ -158,7 +162,9 @@ def test_some_triangles_are_left_to_float64():
     # float64 loses a part of such a depth, and float32 does not
     assert kept(1024, True, usual._replace(vertices=(-(2.0**-34), 2.0**21, 2.0**21))) is None
     assert kept(657, True, usual._replace(vertices=(4628119.5, 0.007812499534338713, 11848311.0))) is None
+    assert kept(2**30, True, usual._replace(vertices=(single(1.5e-8), 2.0**21, 2.0**21))) is not None
     assert kept(2**30, True, usual._replace(low=np.nan)) is None
+    assert kept(2**30, True, usual._replace(high=np.nan)) is None
     assert kept(2**30, True, usual._replace(vertices=(2.0**26, 1.0, 2.0))) is None
     below = usual._replace(vertices=(-0.25, 1.0, 2.0))
     assert kept(2**30, True, below._replace(offset=3.0)) is None

@@ -174,6 +174,9 @@ def test_coordinates_that_wrap_with_rounding_are_refused():
         ((2.0**-20, 2.0**-99, 1.0), True),
         ((1.0, 2.0**-127, 1.0), False),
         ((2.0**-30, 0.0, 1.0), True),
+        ((1.0, 2.0**96, 1.0), True),
+        ((1.0, 2.0**97, 1.0), False),
+        ((1.0, 1.0, -(2.0**99)), False),
         ((np.nan, 0.0, 1.0), False),
     ]:
         assert single_coordinate(singles, 0, 0, 16, terms, 8) is may, terms
