@@ -185,7 +185,7 @@ def test_rows_of_a_triangle_have_the_lambda_of_the_portable_kernel(kind):
 
 
 @pytest.mark.parametrize("k", [-299, -297, -150, 0, 150, 250])
-@pytest.mark.parametrize("scale", [1.0, 2.0**-126, 2.0**-300, 2.0**120])
+@pytest.mark.parametrize("scale", [1.0, 2.0**-126, 2.0**-300, 2.0**-525, 2.0**120])
 def test_numbers_near_the_ends_of_float64_have_the_lambda_of_the_portable_kernel(k, scale):
     x, y = (16 * np.array([(-900, 2600, 100), (-700, -800, 2900)])).astype(np.int32)
     coordinates = np.zeros((3, 2, 4))
