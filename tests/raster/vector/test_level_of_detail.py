@@ -8,7 +8,7 @@ from fixedpipe.raster.arrays import Runs, State, Textures, Vertices
 from fixedpipe.raster.portable.arrays import Combiners, Edges, FogFactors, Pass, Scratch
 from fixedpipe.raster.portable.level_of_detail import level_of_detail as portable
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO, log2_q7
-from fixedpipe.raster.vector.level_of_detail import lambdas, level_of_detail, logarithms
+from fixedpipe.raster.vector.level_of_detail import NEAR, lambdas, level_of_detail, logarithms
 
 BATCH, SLACK = 2048, 32
 NO_LIMITS = {"MIN_LOD": -(1 << 21), "MAX_LOD": 1 << 21}
@@ -39,6 +39,13 @@ def test_every_threshold_of_the_logarithm_is_met():
         lod = lod_of(rho2)
         expected = [log2_q7(value) if value else -FAR for value in rho2]
         assert (lod[::2] == expected).all() and (lod[1::2] == expected).all()
+
+
+def test_no_threshold_but_one_lies_near_a_part_s_first_number():
+    """So that a mantissa's own part tells whether a threshold is near; 1 is looked for by itself."""
+    thresholds = np.array([int(power * 2**20) - 2**20 for power in POWERS_OF_TWO[1:]])
+    beside = thresholds % 4096
+    assert np.minimum(beside, 4096 - beside).min() > NEAR + 1
 
 
 def test_the_smallest_number_of_lanes_holds_infinity_and_zero():
