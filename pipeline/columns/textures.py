@@ -20,6 +20,7 @@ from fixedpipe.pipeline.textures.images import (
     DEPTH_TEXELS,
     FORMATS_OF_WORDS,
     border_components,
+    depth_texels,
     depth_texture_mode,
     register_components,
     with_signs,
@@ -131,14 +132,17 @@ class UnitSampler:
         self.hilo = texture.internal_format in FORMATS_OF_WORDS
         self.colorless = texture.internal_format in COLORLESS_FORMATS and not profile.textures.hilo_as_color
         self.signed = self._signed()
-        border = numbers.fixed(s.border_color, self.one)
         self.table = None
         if (given := unit.color_table) is not None:
             self.table = table_entries(given, profile), ENTRY_COMPONENTS[given.base_format]
-        base = BASE_FORMAT[texture.internal_format]
         self.numbers, self.real_texels = INTEGERS, False
-        as_given = profile.textures.border_color_as_given
-        self.border = self._as_signed(border_components(border, base, self.one, as_given=as_given))
+        if self.compares:
+            depth = numbers.fixed(s.border_color[0], self.words.largest)
+            self.border = depth_texels(depth[None, None])[0, 0].astype(np.int64)
+        else:
+            base, as_given = BASE_FORMAT[texture.internal_format], profile.textures.border_color_as_given
+            border = numbers.fixed(s.border_color, self.one)
+            self.border = border_components(border, base, self.one, as_given=as_given)
 
     def exactly(self, fraction_bits=None, levels=None):
         """The same unit in real numbers, unobserved. Lambda keeps its 8 fraction bits.
@@ -157,6 +161,8 @@ class UnitSampler:
         if levels is not None:
             unit.levels = tuple(_codes(level, self.one) for level in levels[: len(self.levels)])
             unit.real_texels = True
+            if self.compares:
+                unit.border = np.full(4, np.clip(self.sampler.border_color[0], 0.0, 1.0) * self.one)
         return unit
 
     def _signed(self):
@@ -392,10 +398,9 @@ class UnitSampler:
                 pair = np.where(self.signed[[3, 1]] & (pair >= 1 << 15), pair - (1 << 16), pair)
             return pair
 
-        border = words(self.border[None])[0]
         found = sample.filter_level(
-            image, places, face, modes, linear, target, border, self.fraction_bits, words, observe=self._saw,
-            beside=self.texture.border,
+            image, places, face, modes, linear, target, self.border, self.fraction_bits, words,
+            observe=self._saw, beside=self.texture.border,
         )  # fmt: skip
         bytes_ = np.stack([found[:, 0], found[:, 1] >> 8, found[:, 1], found[:, 0] >> 8], axis=1) & 255
         return self._as_signed(bytes_)

@@ -10,7 +10,7 @@ from fixedpipe.pipeline.framebuffers.transfer import looked_up
 from fixedpipe.pipeline.ideal.borders import with_border
 from fixedpipe.pipeline.ideal.comparison import holds
 from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates
-from fixedpipe.pipeline.ideal.signs import NOISE, as_signed, signed_flags
+from fixedpipe.pipeline.ideal.signs import NOISE, signed_flags
 from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import (
@@ -94,9 +94,10 @@ def _texel(level, at, border, reader, reference):
     """A level's texel after its reader. ``at``: layer, row and column; -1 means the border."""
     layer, row, column = at
     if layer < 0 or row < 0 or column < 0:
-        return border[0], border[1], border[2], border[3]
-    p, r, c = uint64(layer), uint64(row), uint64(column)
-    red, green, blue, alpha = level[p, r, c, 0], level[p, r, c, 1], level[p, r, c, 2], level[p, r, c, 3]
+        red, green, blue, alpha = border[0], border[1], border[2], border[3]
+    else:
+        p, r, c = uint64(layer), uint64(row), uint64(column)
+        red, green, blue, alpha = level[p, r, c, 0], level[p, r, c, 1], level[p, r, c, 2], level[p, r, c, 3]
     if reader[_KIND] == _AS_IT_IS:
         return red, green, blue, alpha
     f = _FLAGS
@@ -549,13 +550,13 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         along_s, along_t, _ = face_modes(sampler, texture)
         sampler = replace(sampler, wrap_s=along_s, wrap_t=along_t)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
-    border, levels, read = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
+    border, levels = np.array(sampler.border_color), texture.ideal
+    read = _signed_reader(sampler, texture.bits)
     if reference is None:
         base, as_given = BASE_FORMAT[texture.internal_format], IDEAL.textures.border_color_as_given
-        border = border_components(np.array(sampler.border_color), base, 1.0, as_given=as_given)
-        border = border if read is None else as_signed(border, sampler, texture.bits)
+        border = border_components(border, base, 1.0, as_given=as_given)
     else:
-        read = _comparison(sampler)
+        border, read = np.clip(border, 0.0, 1.0), _comparison(sampler)
     given = coordinates, sampler, border, read, reference, one_dimensional
     sampling = _Sampling(*given, texture.borders)
     if tap is not None:

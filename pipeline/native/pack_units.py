@@ -31,7 +31,7 @@ from fixedpipe.pipeline.textures.images import (
 from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.columns.numbers import one_of
+from fixedpipe.raster.columns.numbers import fixed, one_of
 
 
 @lru_cache(1024)
@@ -79,7 +79,7 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
 
 
 def _pack_comparison(sampler, internal_format, profile, row):
-    """Write a depth texture's entries. Validation refuses its border (``fixedpipe.pipeline.validation``)."""
+    """Write a depth texture's entries."""
     row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
     base, failed = depth_texture_mode(sampler, profile), to_code(sampler.compare_fail_value)
     for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):
@@ -87,6 +87,7 @@ def _pack_comparison(sampler, internal_format, profile, row):
         row[at] = int.from_bytes(texel.tobytes(), "little")
     words = DEPTH_TEXELS[internal_format]
     row[R.DEPTH_TEXEL_FORMAT], row[R.DEPTH_TEXEL_MAX] = words.code, words.largest
+    row[R.BORDER] = fixed(sampler.border_color[0], words.largest)
     units = profile.textures.depth_units_in_coordinates
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
 

@@ -55,12 +55,6 @@ def _comparison(walk, unit, known, place):
         )
     if problem := _shadow_problem(place, sampler, profile, deep):
         walk.refuse(problem)
-    reads_border = {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}
-    if compares and reads_border and not known.border:
-        walk.refuse(
-            f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
-            "REPEAT."
-        )
 
 
 def _has_colors(profile, internal_format):
@@ -84,8 +78,8 @@ def _levels(walk, unit, known, place):
         )
     if lowest > sampler.max_level:
         walk.refuse(
-            f"{place} has the base level {lowest} above the maximum level {sampler.max_level}: it is as if "
-            "the unit were disabled. Leave the unit None, or give a max_level that is not below base_level."
+            f"{place} has the base level {lowest} above the maximum level {sampler.max_level}. Give a "
+            "max_level that is not below base_level."
         )
     width, height = known.sizes[lowest]
     layers = known.faces[lowest] if known.target is TextureTarget.TEXTURE_3D else 1

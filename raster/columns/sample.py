@@ -94,8 +94,8 @@ def filter_level(
 ):  # fmt: skip
     """One filtered texel of each fragment, [k, c]: int64, or of REALS float64.
 
-    ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c], the border colour;
-    ``beside``: how many border texels the level has on either side; ``read``: None, or what is
+    ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c], the border colour as a
+    texel; ``beside``: how many border texels the level has on either side; ``read``: None, or what is
     made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
     wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
     between columns, rows and layers, and 0. ``observe`` receives where each axis reads, the fractions, and
@@ -121,11 +121,11 @@ def filter_level(
 
     def texel(plane, row, column):
         at = plane[0] + before, row[0] + below, column[0] + beside
-        stored = found = level[at].astype(np.float64 if level.dtype == np.float64 else np.int64)
-        found = found if read is None else read(found)
+        stored = level[at].astype(np.float64 if level.dtype == np.float64 else np.int64)
         for outside in (plane[1], row[1], column[1]):
             if outside is not None:
-                found[outside] = border
+                stored[outside] = border
+        found = stored if read is None else read(stored)
         observe("texel", layer=plane[0], row=row[0], column=column[0], stored=stored, texel=found)
         return found
 
@@ -145,7 +145,7 @@ def filter_level(
         lines = [filtered_row(plane, row) for row in rows]
         found = lines[0] if len(lines) == 1 else numbers.lerp(*lines, up[:, None], fraction_bits)
         if plane[1] is not None:  # the border's filter is the border
-            found[plane[1]] = border
+            found[plane[1]] = border if read is None else read(border[None])[0]
         return found
 
     parts = [filtered_plane(plane) for plane in planes]

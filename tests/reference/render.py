@@ -147,7 +147,7 @@ class Access:
             divided = made is None and triangle.divided
             mode, depth_format = unit.sampler.compare_mode, texture.internal_format
             word = shadow.reference_word(own, divided, depth_format, mode, self.profile)
-            texture = shadow.compared(texture, unit.sampler, word, self.profile)
+            texture, unit = shadow.compared(texture, unit, word, self.profile)
         if rough is not None:
             found = roughness.footprint(
                 self.triangles, i, operation, self.pixel, *rough, texture, unit.sampler

@@ -37,13 +37,17 @@ def depth_word(value, internal_format):
     return min(max(((exponent - 1 + bias) << bits) + floor((2.0 * mantissa - 1.0) * 2**bits), 0), largest)
 
 
+def largest_word(internal_format):
+    """Source: ARB_depth_texture (fixed). Measured: Texture_shadow_comparator (of floats)."""
+    return FIXED[internal_format] if internal_format in FIXED else FLOAT[internal_format][0]
+
+
 def reference_word(strq, projective, internal_format, mode, profile):
     """The word that texels are compared with. Source: ARB_shadow; Measured: zero for the chip's 2D stages."""
     if mode == TextureCompareMode.COMPARE_ZERO_TO_TEXTURE:
         return 0
     r = sample.projected(strq, projective)[2]
-    largest = FIXED[internal_format] if internal_format in FIXED else FLOAT[internal_format][0]
-    units = 1.0 if profile.textures.depth_units_in_coordinates else float(largest)
+    units = 1.0 if profile.textures.depth_units_in_coordinates else float(largest_word(internal_format))
     return depth_word(r * units, internal_format)
 
 
@@ -69,16 +73,25 @@ def comparison(texel, sampler, reference, profile):
     return as_mode(255 if HOLDS[sampler.compare_function](reference, word) else failed, mode)
 
 
-def compared(texture, sampler, reference, profile):
-    """A texture of comparisons. Source: ARB_shadow."""
+def compared(texture, unit, reference, profile):
+    """(texture of comparisons, unit), whose border colour is a comparison too.
+
+    Source: ARB_shadow, ARB_depth_texture (the border's red is a depth).
+    """
+    sampler = unit.sampler
     levels = [
         [[[comparison(p, sampler, reference, profile) for p in row] for row in face] for face in level]
         for level in texture.levels
     ]
-    border = getattr(texture, "border", 0)
-    return SimpleNamespace(
-        target=texture.target, internal_format=InternalFormat.RGBA8, levels=levels, border=border
+    border = [fixed.color_code(sampler.border_color[0], largest_word(texture.internal_format))]
+    color = tuple(byte / 255 for byte in comparison(border, sampler, reference, profile))
+    found = SimpleNamespace(
+        target=texture.target,
+        internal_format=InternalFormat.RGBA8,
+        levels=levels,
+        border=getattr(texture, "border", 0),
     )
+    return found, replace(unit, sampler=replace(sampler, border_color=color))
 
 
 def as_colors(texture, unit, combiners, profile):

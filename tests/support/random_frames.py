@@ -663,8 +663,6 @@ class _Maker:
         )
         if rectangle:
             wraps = (WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_BORDER)
-        if deep:
-            wraps = tuple(w for w in wraps if w not in (WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER))
         mag = self.one_of(_COUNTED)
         sampler = Sampler(
             min_filter=mag if self.chance(0.3) else self.one_of(TextureFilter if mipmapped else _COUNTED),
