@@ -116,7 +116,6 @@ class Replay:
         self._threads = threads
         self._targets: dict[Window, Target] = {}
         self._running: GLContext | None = None  # the context whose commands wait
-        self._buffers: tuple[Any, Any] = (None, None)  # they draw into the first, read the second: tokens
         self._first_call = 0
         self._last_call = 0
         self._last_commanding = 0  # the last call that made commands
@@ -164,16 +163,16 @@ class Replay:
         if self.check is not None and name in ANSWERING:
             self.check.returned(call, answered)
         if name in _AFTER:
-            return _AFTER[name](self, context, call, self._before)
+            return _AFTER[name](self, context, call)
         if len(gl.commands) > self._before:
             self._bytes += sum(map(bytes_of, gl.commands[self._before :]))
         if len(gl.commands) > _MOST_WAITING or self._bytes > _MOST_BYTES:
-            self._run_waiting()
+            self.run_waiting()
         return ()
 
     def finish(self) -> Sequence[Frame]:
         """Handle the end of the trace. Returns the frames that end with it."""
-        self._run_waiting()
+        self.run_waiting()
         return [frame for window in list(self._targets) for frame in self._end_if_drawn(window, THE_END)]
 
     def stop_drawing(self) -> None:
@@ -182,7 +181,7 @@ class Replay:
         self.windows.count_in(Tally())
 
     def _take_window_call(self, call):
-        self._run_waiting()
+        self.run_waiting()
         window = take_window_call(self.windows, call)
         if window is None:
             return ()
@@ -194,24 +193,22 @@ class Replay:
 
     def _switch(self, context):
         """Let the commands of another context run from now on."""
-        self._run_waiting()
+        self.run_waiting()
         self._running = context
         context.gl.behind = self
-        values = context.gl.values
-        self._buffers = values["draw_buffer"], values["read_buffer"]
 
-    def _run_waiting(self, count: int | None = None) -> None:
-        """Run the waiting commands, or only the first ``count`` of them."""
-        context, self._bytes = self._running, 0
+    def run_waiting(self) -> None:
+        """Run the waiting commands."""
+        context, self._bytes, self._before = self._running, 0, 0
         if context is None or not context.gl.commands:
             return
         if not self._drawing:
             context.gl.commands.clear()
             return
         self._label()
-        commands = context.gl.commands[:count]
-        del context.gl.commands[:count]
-        self._unlabelled = max(0, self._unlabelled - len(commands))
+        commands = context.gl.commands[:]
+        context.gl.commands.clear()
+        self._unlabelled = 0
         target = self._target(context.window)
         if target.textures is not context.group.textures:
             target.use_textures(context.group.textures)
@@ -238,7 +235,8 @@ class Replay:
         """(the buffers that commands draw into, the buffer that they read)."""
         if window.double is False:
             return (FRONT,), FRONT
-        draws, reads = self._buffers
+        values = self._running.gl.values
+        draws, reads = values["draw_buffer"], values["read_buffer"]
         into, of = _BUFFERS.get(draws, (BACK,)), _BUFFERS.get(reads, (BACK,))
         return into, of[0] if of else BACK
 
@@ -265,8 +263,7 @@ class Replay:
 
     def read(self, command: ReadPixels) -> NDArray[Any]:
         """Draw the waiting commands, and read the pixels. Returns zeros if nothing is drawn."""
-        self._run_waiting()
-        self._before = 0
+        self.run_waiting()
         if not self._drawing:
             return blank(command)
         window = self._running.window
@@ -285,8 +282,7 @@ class Replay:
         if self.check is None or not (self._drawing and issubclass(self._kind, Drawn)):
             self._counters.clear()
             return None
-        self._run_waiting()
-        self._before = 0
+        self.run_waiting()
         if begun:
             self._counters[self._running] = SampleCounter()
             return None
@@ -345,12 +341,12 @@ class Replay:
 
     # -------------------------------------------------------------------------------- calls of its own
 
-    def _flush(self, context, call, waiting):
+    def _flush(self, context, call):
         """Handle Flush or Finish."""
         window = context.window
         if window.double and not window.unbound:
             return ()
-        self._run_waiting()
+        self.run_waiting()
         target = self._targets.get(window)
         if window.unbound:  # the trace has no swaps of this window
             return self._end_if_drawn(window, call.name)
@@ -360,25 +356,16 @@ class Replay:
         return ()
 
     def _terminate(self, context, call):
-        self._run_waiting()
+        self.run_waiting()
         return (self._end(context.window, call.name, *self._target(context.window).shown()),)
 
-    def _choose_buffers(self, context, call, waiting):
-        """The buffers may have changed. If so, the commands that waited draw into the earlier ones."""
-        values = context.gl.values
-        now = values["draw_buffer"], values["read_buffer"]
-        if now != self._buffers:
-            self._run_waiting(waiting)
-            self._buffers = now
-        return ()
-
-    def _size(self, context, call, waiting):
+    def _size(self, context, call):
         gl = context.gl
         if gl.begun is not None or gl.list is not None or gl.drawable is not context.window.drawable:
             return ()
         size = self.windows.take_viewport(context, call.arguments, bool(call.flags & FAKE))
         if size is not None:
-            self._run_waiting()
+            self.run_waiting()
             drawable = context.window.drawable
             drawable.width, drawable.height = size
             if (target := self._targets.get(context.window)) is not None:
@@ -443,25 +430,4 @@ _OWN = {
     "glDebugMessageInsert": Replay._mark_event,
     "glDebugMessageInsertARB": Replay._mark_event,
 }
-_AFTER = {
-    "glFlush": Replay._flush,
-    "glFinish": Replay._flush,
-    "glViewport": Replay._size,
-    **dict.fromkeys(
-        (
-            "glDrawBuffer",
-            "glDrawBuffers",
-            "glDrawBuffersARB",
-            "glDrawBuffersATI",
-            "glDeleteFramebuffers",
-            "glDeleteFramebuffersEXT",
-            "glReadBuffer",
-            "glPopAttrib",
-            "glCallList",
-            "glCallLists",
-            "glBindFramebuffer",
-            "glBindFramebufferEXT",
-        ),
-        Replay._choose_buffers,
-    ),
-}
+_AFTER = {"glFlush": Replay._flush, "glFinish": Replay._flush, "glViewport": Replay._size}

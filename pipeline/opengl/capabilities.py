@@ -10,7 +10,7 @@ from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.values import VALUES, declare
 
 _OF_UNITS: set[int] = set()
-# By a capability's key: a function to call with the Context and the new value, before the value is set.
+# By a value's key: a function to call with the Context and the new value, before the value is set.
 NOTIFIED = {}
 
 

@@ -18,7 +18,7 @@ from fixedpipe.pipeline.enums import (
     StencilOperation,
 )
 from fixedpipe.pipeline.opengl import tokens
-from fixedpipe.pipeline.opengl.capabilities import capability
+from fixedpipe.pipeline.opengl.capabilities import NOTIFIED, capability
 from fixedpipe.pipeline.opengl.entry_points import entry, no_effect
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.parameters import numbers_of
@@ -485,12 +485,27 @@ _BUFFERS = {tokens.FRONT, tokens.FRONT_LEFT, tokens.BACK, tokens.BACK_LEFT, toke
 _BUFFERS.add(tokens.FRONT_AND_BACK)
 
 
+def choose_buffer(gl, key, buffer):
+    """Change the value ``draw_buffer`` or ``read_buffer``. Earlier commands have the earlier buffers."""
+    if buffer != gl.values[key]:
+        _run_waiting(gl)
+        gl.values.set(key, buffer)
+
+
+def _run_waiting(gl, _=None):
+    if gl.behind is not None:
+        gl.behind.run_waiting()
+
+
+NOTIFIED["draw_buffer"] = NOTIFIED["read_buffer"] = _run_waiting  # PopAttrib may change them
+
+
 @entry("DrawBuffer")
 def draw_buffer(gl, buffer):
     """Set which colour buffer is written (section 4.2.1)."""
     if buffer != tokens.NONE:
         _check_buffer(gl, buffer, gl.values["draw_framebuffer"])
-    gl.values.set("draw_buffer", buffer)
+    choose_buffer(gl, "draw_buffer", buffer)
 
 
 def _check_buffer(gl, buffer, framebuffer):
@@ -514,7 +529,7 @@ def draw_buffers(gl, count, buffers):
 def read_buffer(gl, buffer):
     """Set which colour buffer is read (section 4.3.2)."""
     _check_buffer(gl, buffer, gl.values["read_framebuffer"])
-    gl.values.set("read_buffer", buffer)
+    choose_buffer(gl, "read_buffer", buffer)
 
 
 @entry("ClearColor")

@@ -18,6 +18,7 @@ from fixedpipe.pipeline.enums import ColorFormat, TextureTarget
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.context import Context, Drawable
 from fixedpipe.pipeline.opengl.entry_points import entry, no_effect
+from fixedpipe.pipeline.opengl.fragments import choose_buffer
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.parameters import numbers_of
 from fixedpipe.pipeline.opengl.texture_objects import TARGETS, TextureObject
@@ -368,7 +369,7 @@ def _exchange_buffers(gl, name):
     else:
         chosen = gl.values["window_buffers"]
     for key, buffer in zip(("draw_buffer", "read_buffer"), chosen, strict=True):
-        gl.values.set(key, buffer)
+        choose_buffer(gl, key, buffer)
 
 
 declare("window_buffers", (tokens.BACK, tokens.BACK))

@@ -20,6 +20,9 @@ _WIDEST = np.uint64(2**32 - 1)
 class Behind(Protocol):
     """The machine behind a Context."""
 
+    def run_waiting(self) -> None:
+        """Run the waiting commands: what they draw into, or read, is about to change."""
+
     def read(self, command: ReadPixels) -> NDArray[Any]:
         """Run the waiting commands, and then this one. Returns its pixels; zeros if nothing is drawn."""
 

@@ -333,7 +333,7 @@ class TextureObject:
         """Whether the object is complete, so that units can read it (section 3.8.5; EXT_texture_cube_map)."""
         parameters, base = self.parameters, self.parameters.base_level
         faces = self.level(base)
-        if faces is None or base > parameters.max_level:
+        if faces is None:
             return False
         width, height, depth = faces[0].size
         inside = [edge - 2 * faces[0].border for edge in (width, height, depth)[: self.bordered_axes]]
@@ -343,6 +343,8 @@ class TextureObject:
             return False
         if not parameters.mipmapped or self.target == tokens.TEXTURE_RECTANGLE_NV:
             return True
+        if base > parameters.max_level:
+            return False
         last = min(base + max(inside).bit_length() - 1, parameters.max_level)
         levels = self._chain(base, base, False)
         return levels is not None and base + len(levels) > last

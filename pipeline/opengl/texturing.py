@@ -500,9 +500,6 @@ for _unit in _UNITS:
     _of_unit(_unit)
 
 
-_NEAREST = {tokens.NEAREST, tokens.NEAREST_MIPMAP_NEAREST, tokens.NEAREST_MIPMAP_LINEAR}
-
-
 def sampler_of(profile: Any, found: Usable) -> Sampler:
     """The Sampler of an object. It has those parameters that apply to the object's format and target."""
     given, deep = found.parameters, found.format in DEPTH_TEXELS
@@ -514,9 +511,6 @@ def sampler_of(profile: Any, found: Usable) -> Sampler:
     anisotropic = flat and found.format not in FORMATS_OF_WORDS
     least, most = -1000.0, 1000.0
     wraps = [_WRAPS[wrap] for wrap in (given.wrap_s, given.wrap_t, given.wrap_r)]
-    if compares and not {given.min_filter, given.mag_filter} - _NEAREST:
-        # Without a filter CLAMP reads the edge, and not the border, with which machines here do not compare.
-        wraps = [WrapMode.CLAMP_TO_EDGE if wrap is WrapMode.CLAMP else wrap for wrap in wraps]
     return Sampler(
         min_filter=_MIN_FILTERS[given.min_filter],
         mag_filter=_MIN_FILTERS[given.mag_filter],
@@ -531,7 +525,8 @@ def sampler_of(profile: Any, found: Usable) -> Sampler:
         min_lod=min(max(given.min_lod, least), most),
         max_lod=min(max(given.max_lod, least), most),
         base_level=given.base_level - found.first,
-        max_level=given.max_level - found.first,
+        # Without mipmaps the base level is read, even if it is above the maximum level (section 3.8.5).
+        max_level=max(given.max_level, given.base_level) - found.first,
         max_anisotropy=given.max_anisotropy if anisotropic else 1.0,
     )
 

@@ -108,6 +108,18 @@ def test_both_buffers_are_drawn_into_with_the_depths_of_before():
     assert [color_of(frame) for frame in frames] == [BYTES[RED]] + [BYTES[GREEN]] * 3
 
 
+@pytest.mark.parametrize("restored", [False, True], ids=["DrawBuffer", "PopAttrib"])
+def test_a_list_may_change_the_buffer_between_its_draws(restored):
+    program = started().call("glNewList", 1, T.COMPILE).rectangle(RED)
+    program.call("glPushAttrib", T.COLOR_BUFFER_BIT).call("glDrawBuffer", T.FRONT).rectangle(GREEN)
+    program.call("glPopAttrib") if restored else program.call("glDrawBuffer", T.BACK)
+    program.rectangle(BLUE).call("glEndList").call("glCallList", 1)
+    program.call("glDrawBuffer", T.FRONT).call("glEnable", T.SCISSOR_TEST).call("glScissor", 0, 0, 1, 1)
+    program.rectangle(RED).call("glFrameTerminatorGREMEDY").swap()
+    _, (front, back) = replayed(program)
+    assert (color_of(front, 7), color_of(back, 7)) == (BYTES[GREEN], BYTES[BLUE])
+
+
 def test_pixels_are_copied_from_the_buffer_that_is_read():
     program = started().clear(RED).swap().clear(GREEN).call("glReadBuffer", T.FRONT)
     program.call("glWindowPos2i", 0, 0).call("glCopyPixels", 0, 0, 2, 4, T.COLOR).swap()

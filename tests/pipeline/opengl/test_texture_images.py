@@ -199,7 +199,7 @@ def _without(*levels, **changed):
         (_without(0), {"BASE_LEVEL": 1}, {}, True),
         (_without(0, 3), {"BASE_LEVEL": 1, "MAX_LEVEL": 2}, {}, True),
         (_WHOLE, {"BASE_LEVEL": 2, "MAX_LEVEL": 1}, {}, False),
-        (_WHOLE, {"BASE_LEVEL": 2, "MAX_LEVEL": 1, "MIN_FILTER": GL.NEAREST}, {}, False),
+        (_WHOLE, {"BASE_LEVEL": 2, "MAX_LEVEL": 1, "MIN_FILTER": GL.NEAREST}, {}, True),
         (_WHOLE, {"BASE_LEVEL": 4}, {}, False),
         (_without(to={2: (1, 1)}), {}, {}, False),
         (_without(to={2: (1, 1)}), {"MAX_LEVEL": 1}, {}, True),

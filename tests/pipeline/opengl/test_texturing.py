@@ -599,20 +599,3 @@ def test_only_arbs_products_are_scaled(function, scale):
     gl.TexEnvf(GL.TEXTURE_ENV, GL.RGB_SCALE, 2.0)
     held = gl.values[("environment", 0)]
     assert environment_of(held).rgb.scale == scale
-
-
-@pytest.mark.parametrize(
-    ("smallest", "wrap"), [(GL.NEAREST, WrapMode.CLAMP_TO_EDGE), (GL.LINEAR, WrapMode.CLAMP)]
-)
-def test_shadow_maps_without_a_filter_are_clamped_to_their_edge(smallest, wrap):
-    gl = context()
-    gl.TexImage2D(
-        *(GL.TEXTURE_2D, 0, GL.DEPTH_COMPONENT24_ARB, 4, 4, 0, GL.DEPTH_COMPONENT, GL.FLOAT),
-        np.ones(16, np.float32).tobytes(),
-    )
-    gl.TexParameteri(GL.TEXTURE_2D, GL.TEXTURE_MIN_FILTER, smallest)
-    gl.TexParameteri(GL.TEXTURE_2D, GL.TEXTURE_MAG_FILTER, GL.NEAREST)
-    gl.TexParameteri(GL.TEXTURE_2D, GL.TEXTURE_WRAP_S, GL.CLAMP)
-    gl.TexParameteri(GL.TEXTURE_2D, GL.TEXTURE_COMPARE_MODE_ARB, GL.COMPARE_R_TO_TEXTURE_ARB)
-    gl.Enable(GL.TEXTURE_2D)
-    assert gl.state().texture_units[0].sampler.wrap_s is wrap
