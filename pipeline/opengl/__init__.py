@@ -12,6 +12,7 @@ from fixedpipe.pipeline.opengl import (  # noqa: F401
     attributes,
     buffers,
     capabilities,
+    color_buffers,
     combiners,
     compressed_images,
     current,

@@ -29,12 +29,11 @@ from fixedpipe.pipeline.opengl.internal_formats import (
     compressed_format,
 )
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
-from fixedpipe.pipeline.opengl.texels import Texels
+from fixedpipe.pipeline.opengl.texels import Patch, Texels
 from fixedpipe.pipeline.opengl.texture_objects import (
     TARGETS,
     Image,
     Palette,
-    Patch,
 )
 from fixedpipe.pipeline.opengl.texturing import bound_object
 from fixedpipe.pipeline.opengl.values import declare

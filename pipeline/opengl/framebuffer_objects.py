@@ -16,9 +16,9 @@ from typing import NamedTuple
 from fixedpipe.pipeline.commands import BindTexImage, CopyTexSubImage, DrawPixels, MakeCurrent
 from fixedpipe.pipeline.enums import ColorFormat, TextureTarget
 from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.color_buffers import choose_buffer
 from fixedpipe.pipeline.opengl.context import Context, Drawable
 from fixedpipe.pipeline.opengl.entry_points import entry, no_effect
-from fixedpipe.pipeline.opengl.fragments import choose_buffer
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.parameters import numbers_of
 from fixedpipe.pipeline.opengl.texture_objects import TARGETS, TextureObject

@@ -13,17 +13,17 @@ import numpy as np
 from fixedpipe.pipeline.commands import CopyTexImage, CopyTexSubImage, DrawPixels
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.copied_images import copy_alone
 from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.framebuffer_objects import define_attached
 from fixedpipe.pipeline.opengl.internal_formats import COMPONENT_COUNTS, INDICES, Chosen, chosen_format
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.pixel_transfers import counts, transfer_of
 from fixedpipe.pipeline.opengl.pixels import ClientImage, captured, given_image
-from fixedpipe.pipeline.opengl.texels import Texels, check_image_format, texels_of, zero_texels
+from fixedpipe.pipeline.opengl.texels import Patch, Texels, check_image_format, texels_of, zero_texels
 from fixedpipe.pipeline.opengl.texture_objects import (
     TARGETS,
     Image,
-    Patch,
     TextureObject,
     smaller_sizes,
     zeros_like,
@@ -527,33 +527,35 @@ def _copy_into(gl, texture, face, level, offset, box, transfer):
     """Let the machine copy a rectangle into an image that exists."""
     texture.settle()
     layout = texture.layout()
-    if layout is None or not layout.first <= level < layout.first + len(layout.levels):
-        raise Refused(f"copies into level {level} of {texture.name}, which does not fit its other levels")
-    texture.store(gl)
+    fits = layout is not None and layout.first <= level < layout.first + len(layout.levels)
+    if fits:
+        texture.store(gl)
     offset, box = _inside(gl, offset, box, transfer)
     x, y, width, height = box
     if width <= 0 or height <= 0:
+        return
+    copy = CopyTexSubImage(
+        label=_said(gl),
+        texture=texture.name,
+        x_offset=offset[0],
+        y_offset=offset[1],
+        x=x,
+        y=y,
+        width=width,
+        height=height,
+        transfer=transfer,
+    )
+    if not fits:
+        copy_alone(gl, texture, (face, level), copy)
+        mark_changed(gl, texture)
         return
     derives = texture.parameters.generate_mipmap and level == texture.parameters.base_level
     derives = derives and texture.target != tokens.TEXTURE_RECTANGLE_NV
     by_machine = derives and layout.first == level and not texture.is_volume
     sizes = smaller_sizes(texture.images[face, level], False) if by_machine else []
-    gl.commands.append(
-        CopyTexSubImage(
-            label=_said(gl),
-            texture=texture.name,
-            x_offset=offset[0],
-            y_offset=offset[1],
-            x=x,
-            y=y,
-            width=width,
-            height=height,
-            level=level - layout.first,
-            face=offset[2] if texture.target == tokens.TEXTURE_3D else face,
-            generate_mipmap=bool(sizes),
-            transfer=transfer,
-        )
-    )
+    of_face = offset[2] if texture.target == tokens.TEXTURE_3D else face
+    copy = replace(copy, level=level - layout.first, face=of_face, generate_mipmap=bool(sizes))
+    gl.commands.append(copy)
     copied = [(face, level)]
     if sizes:  # the machine now has all levels of all faces
         copied = [key for key in texture.images if key[1] == level]

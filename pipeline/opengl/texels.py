@@ -4,6 +4,7 @@ Texels have the form of ``fixedpipe.pipeline.textures.images.Texture``: [layers,
 words for formats with components of twelve bits. A paletted image has indices, [layers, height, width].
 """
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -227,3 +228,46 @@ def palette_bytes(groups: NDArray[np.float64], base: BaseFormat) -> NDArray[np.u
         BaseFormat.RGBA: _F.RGBA8,
     }
     return store_texels(groups, wide[base])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Patch:
+    """A box of texels that replaces a part of an image."""
+
+    z: int
+    y: int
+    x: int
+    texels: Texels
+
+
+def patched(texels: Texels, patches: tuple[Patch, ...], internal_format: InternalFormat) -> Texels:
+    """Texels with boxes replaced, one after the other."""
+    whole = texels.texels.copy()
+    real = None
+    if texels.real is not None or any(patch.texels.real is not None for patch in patches):
+        real = real_of(texels, internal_format).copy()
+    for patch in patches:
+        depth, height, width = patch.texels.texels.shape[:3]
+        box = (
+            slice(patch.z, patch.z + depth),
+            slice(patch.y, patch.y + height),
+            slice(patch.x, patch.x + width),
+        )
+        whole[box] = patch.texels.texels
+        if real is not None:
+            real[box] = real_of(patch.texels, internal_format)
+    for array in (whole, real):
+        if array is not None:
+            array.setflags(write=False)
+    return Texels(whole, real)
+
+
+def real_of(texels: Texels, internal_format: InternalFormat) -> NDArray[np.float64]:
+    """The real numbers of texels."""
+    if texels.real is not None:
+        return texels.real
+    if internal_format in DEPTH_TEXELS:
+        words = np.ascontiguousarray(texels.texels).view("<u4")
+        depths = words / float(DEPTH_TEXELS[internal_format].largest)
+        return np.broadcast_to(depths, texels.texels.shape)
+    return texels.texels / float(one_of(internal_format))

@@ -15,15 +15,15 @@ from typing import Any, NamedTuple
 from weakref import WeakSet
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fixedpipe.pipeline.commands import GetTexImage, HostStep, TexImage
+from fixedpipe.pipeline.commands import HostStep, TexImage
 from fixedpipe.pipeline.enums import BaseFormat, InternalFormat, TextureTarget
 from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.copied_images import reading, with_copies, with_mipmaps
 from fixedpipe.pipeline.opengl.internal_formats import Chosen
 from fixedpipe.pipeline.opengl.outcomes import Refused
-from fixedpipe.pipeline.opengl.texels import Texels, one_of, palette_bytes, texels_of_groups, zero_texels
-from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture, halve
+from fixedpipe.pipeline.opengl.texels import Patch, Texels, palette_bytes, patched, real_of, zero_texels
+from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS, Texture, halve
 
 TARGETS = {
     tokens.TEXTURE_CUBE_MAP: TextureTarget.TEXTURE_CUBE_MAP,
@@ -80,16 +80,6 @@ def initial_parameters(target: int) -> Parameters:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Patch:
-    """A box of texels that replaces a part of an image."""
-
-    z: int
-    y: int
-    x: int
-    texels: Texels
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class Image:
     """One image: a level of a face.
 
@@ -97,6 +87,7 @@ class Image:
     - ``border``: texels of border on each side, for each axis of the target.
     - ``internal_format``: the requested format; ``chosen``: how the machine stores it.
     - ``texels``: None if only the machine knows them; ``patches``: boxes that were replaced later.
+    - ``alone``: (name, level, face) of the machine's texture that has only this image (``copied_images``).
     """
 
     size: tuple[int, int, int]
@@ -105,6 +96,7 @@ class Image:
     chosen: Chosen
     texels: Texels | None
     patches: tuple[Patch, ...] = ()
+    alone: tuple[str, int, int] | None = None
 
     def like(self, other: "Image") -> bool:
         """Whether two images can be levels or faces of one texture, apart from their sizes."""
@@ -124,39 +116,6 @@ class Image:
             return self
         texels = patched(self.texels, self.patches, self.chosen.format)
         return replace(self, texels=texels, patches=())
-
-
-def patched(texels: Texels, patches: tuple[Patch, ...], internal_format: InternalFormat) -> Texels:
-    """Texels with boxes replaced, one after the other."""
-    whole = texels.texels.copy()
-    real = None
-    if texels.real is not None or any(patch.texels.real is not None for patch in patches):
-        real = real_of(texels, internal_format).copy()
-    for patch in patches:
-        depth, height, width = patch.texels.texels.shape[:3]
-        box = (
-            slice(patch.z, patch.z + depth),
-            slice(patch.y, patch.y + height),
-            slice(patch.x, patch.x + width),
-        )
-        whole[box] = patch.texels.texels
-        if real is not None:
-            real[box] = real_of(patch.texels, internal_format)
-    for array in (whole, real):
-        if array is not None:
-            array.setflags(write=False)
-    return Texels(whole, real)
-
-
-def real_of(texels: Texels, internal_format: InternalFormat) -> NDArray[np.float64]:
-    """The real numbers of texels."""
-    if texels.real is not None:
-        return texels.real
-    if internal_format in DEPTH_TEXELS:
-        words = np.ascontiguousarray(texels.texels).view("<u4")
-        depths = words / float(DEPTH_TEXELS[internal_format].largest)
-        return np.broadcast_to(depths, texels.texels.shape)
-    return texels.texels / float(one_of(internal_format))
 
 
 class Palette(NamedTuple):
@@ -399,7 +358,7 @@ class TextureObject:
 
     def _make_texture(self, layout):
         stored = self._stored_format(layout)
-        levels = [[self._known(image) for image in faces] for faces in layout.levels]
+        levels = [[self.known(image) for image in faces] for faces in layout.levels]
         texels = tuple([np.concatenate([t.texels for t in faces]) for faces in levels])
         ideal = None
         if any(t.real is not None for faces in levels for t in faces):
@@ -407,7 +366,7 @@ class TextureObject:
         bits = 12 if stored in TWELVE_BIT_FORMATS else 8
         return Texture(TARGETS[self.target], stored, texels, ideal, bits, layout.levels[0][0].border)
 
-    def _known(self, image):
+    def known(self, image: Image) -> Texels:
         """The texels of an image: for indices the palette's colours, and zeros for unknown texels."""
         if image.texels is None:
             width, height, depth = image.size
@@ -452,29 +411,33 @@ class TextureObject:
         for k, faces in enumerate(layout.levels):
             for face, image in enumerate(faces):
                 level = layout.first + k - self.home_first
-                if image.texels is None and 0 <= level < self.home_levels:
+                source = None if image.texels is not None else image.alone
+                if source is None and image.texels is None and 0 <= level < self.home_levels:
+                    source = self.name, level, face
+                if source is not None:
                     name = f"{self.name}, face {face}, level {k}, version {self.version}"
                     reads[name] = k, face
-                    gl.commands.append(_reading(label, name, self.name, level, face, image))
+                    gl.commands.append(reading(label, name, source, image.chosen.format))
         placeholder = self.texture(layout)
         gl.commands.append(TexImage(label=label, texture=self.name, image=placeholder))
         above = None if self.stale is None else self.stale - layout.first
         name, volume = self.name, self.is_volume
 
         def put_together(arrays):
-            texture = _with_copies(placeholder, layout, {reads[n]: a for n, a in arrays.items()})
+            texture = with_copies(placeholder, layout, {reads[n]: a for n, a in arrays.items()})
             if above is not None:
-                texture = _with_mipmaps(texture, above, volume)
+                texture = with_mipmaps(texture, above, volume)
             return (TexImage(label=label, texture=name, image=texture),)
 
         step = HostStep(label=label, reads=tuple(reads), commands=put_together)
         gl.commands += self._in_the_window(gl, step)
+        stored = range(layout.first, layout.first + len(layout.levels))
         made = range(0) if self.stale is None else range(self.stale + 1, layout.first + len(layout.levels))
         for position, image in self.images.items():
             if position[1] in made:  # only the machine knows them
-                self.images[position] = replace(image, texels=None, patches=())
-            elif image.patches:
-                self.images[position] = replace(image, patches=())
+                self.images[position] = replace(image, texels=None, patches=(), alone=None)
+            elif position[1] in stored:
+                self.images[position] = replace(image, patches=(), alone=None)
         self.stale = None
         self.keep_copies(gl)
 
@@ -541,60 +504,6 @@ def zeros_like(image: Image, size: tuple[int, int, int] | None = None) -> Image:
     """An image of zeros that fits another image. It has the same size, or ``size``."""
     size = image.size if size is None else size
     width, height, depth = size
-    return replace(image, size=size, texels=zero_texels(image.chosen, depth, height, width), patches=())
-
-
-def _reading(label, name, texture, level, face, image):
-    """The GetTexImage that reads an image as integers of enough bits."""
-    deep, wide = image.chosen.format in DEPTH_TEXELS, image.chosen.format in TWELVE_BIT_FORMATS
-    return GetTexImage(
-        label=label,
-        name=name,
-        texture=texture,
-        level=level,
-        face=face,
-        format="DEPTH_COMPONENT" if deep else "RGBA",
-        type="UNSIGNED_SHORT" if wide else "UNSIGNED_BYTE",
+    return replace(
+        image, size=size, texels=zero_texels(image.chosen, depth, height, width), patches=(), alone=None
     )
-
-
-def _with_copies(texture, layout, arrays):
-    """A Texture with the images that were read, {(level, face): array}, and with later patches."""
-    stored = texture.internal_format
-    levels = [level.copy() for level in texture.levels]
-    reals = [
-        real_of(Texels(level, None if texture.ideal is None else texture.ideal[k]), stored).copy()
-        for k, level in enumerate(texture.levels)
-    ]
-    for (k, face), array in arrays.items():
-        found = _texels_read(array, stored)
-        image = layout.levels[k][face]
-        if image.patches:
-            found = patched(found, image.patches, stored)
-        part = slice(None) if texture.target is TextureTarget.TEXTURE_3D else slice(face, face + 1)
-        levels[k][part] = found.texels
-        reals[k][part] = real_of(found, stored)
-    return replace(texture, levels=tuple(levels), ideal=tuple(reals))
-
-
-def _texels_read(array, stored):
-    """The Texels [layers, h, w, 4] of an array from GetTexImage, which has integers or floats."""
-    if stored in DEPTH_TEXELS:
-        most = float(DEPTH_TEXELS[stored].largest)
-        depths = array if array.dtype.kind == "f" else array / most
-        words = np.floor(np.clip(depths, 0.0, 1.0) * most + 0.5).astype("<u4")
-        layers = words.reshape(-1, *words.shape[-2:])
-        texels = np.ascontiguousarray(layers).view(np.uint8).reshape(*layers.shape, 4)
-        real = np.broadcast_to(depths.reshape(layers.shape)[..., None], texels.shape)
-        return Texels(texels, real)
-    groups = array if array.dtype.kind == "f" else array / float(np.iinfo(array.dtype).max)
-    return texels_of_groups(groups.reshape(-1, *groups.shape[-3:]), stored)
-
-
-def _with_mipmaps(texture, base, volume):
-    """A Texture whose levels above level ``base`` are made from that level."""
-    levels, ideal = list(texture.levels[: base + 1]), list(texture.ideal[: base + 1])
-    while len(levels) < len(texture.levels):
-        levels.append(halve(levels[-1], volume))
-        ideal.append(halve(ideal[-1], volume))
-    return replace(texture, levels=tuple(levels), ideal=tuple(ideal))

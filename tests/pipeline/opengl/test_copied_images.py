@@ -118,3 +118,41 @@ def test_a_texture_that_another_context_deletes_is_read_no_more():
     other = type(screen.gl)(screen.gl.profile, 64, 64, shared=screen.gl.shared)
     other.DeleteTextures(1, [1])
     assert screen.shown() == (255, 255, 255, 255)
+
+
+@pytest.mark.parametrize("target", [GL.TEXTURE_1D, GL.TEXTURE_2D, GL.TEXTURE_CUBE_MAP])
+@pytest.mark.parametrize("order", [(2, 1, 0), (1, 2, 0), (0, 2, 1)])
+def test_levels_are_copied_in_any_order(target, order):
+    """Each level has its colour, and one pixel reads level 2, which has one texel."""
+    screen = Screen(target)
+    gl, images = screen.gl, _FACES if target == GL.TEXTURE_CUBE_MAP else (target,)
+    for level in order:
+        screen.clear((255 if level == 2 else 0, 85 * level, 0, 255))
+        for image in images:
+            edge = 4 >> level
+            if target == GL.TEXTURE_1D:
+                gl.CopyTexImage1D(image, level, GL.RGBA, 0, 0, edge, 0)
+            else:
+                gl.CopyTexImage2D(image, level, GL.RGBA, 0, 0, edge, edge, 0)
+    assert screen.shown() == (255, 170, 0, 255)
+    gl.TexParameteri(target, GL.TEXTURE_MIN_FILTER, GL.NEAREST)
+    assert screen.shown() == (0, 0, 0, 255)
+    gl.TexParameteri(target, GL.TEXTURE_BASE_LEVEL, 1)
+    assert screen.shown() == (0, 85, 0, 255)
+
+
+def test_a_level_that_was_copied_alone_is_changed_by_copies_and_by_images():
+    screen = Screen(GL.TEXTURE_2D, GL.NEAREST)
+    gl = screen.gl
+    screen.clear(_RED)
+    gl.CopyTexImage2D(GL.TEXTURE_2D, 1, GL.RGBA, 0, 0, 2, 2, 0)
+    screen.clear(_GREEN)
+    gl.CopyTexSubImage2D(GL.TEXTURE_2D, 1, 0, 0, 0, 0, 1, 2)
+    white = np.full((1, 2, 4), 255, np.uint8).tobytes()
+    gl.TexSubImage2D(GL.TEXTURE_2D, 1, 0, 1, 2, 1, GL.RGBA, GL.UNSIGNED_BYTE, white)
+    gl.CopyTexImage2D(GL.TEXTURE_2D, 0, GL.RGBA, 0, 0, 4, 4, 0)
+    assert screen.shown() == _GREEN
+    gl.TexParameteri(GL.TEXTURE_2D, GL.TEXTURE_BASE_LEVEL, 1)
+    assert screen.shown() == (255, 255, 255, 255)
+    texels = screen.machine.run(gl.take_commands()).textures["texture 1"].levels[1][0]
+    assert texels.tolist() == [[[*_GREEN], [*_RED]], [[255] * 4] * 2]
