@@ -223,7 +223,9 @@ def _first_forgotten(system, call):
 
 
 def _swap_first(system, call):
-    return _swapped(system.window_of(call.arguments[0]))
+    # A window may have several device contexts. Assumed: one that was never current is of the current window.
+    window = system.window_of(call.arguments[0]) or system.current_window(call.thread)
+    return _swapped(window)
 
 
 # --------------------------------------------------------------------------------------------------- EGL

@@ -196,6 +196,12 @@ def test_other_window_systems(setup, swap):
     assert not sentences(replay, "refused")
 
 
+def test_a_device_that_was_never_current_swaps_the_current_window():
+    program = Program().call("wglCreateContext", 5, result=99).call("wglMakeCurrent", 5, 99, result=1)
+    _, (frame,) = replayed(program.clear(RED).call("SwapBuffers", 6))
+    assert (frame.ended, color_of(frame)) == ("SwapBuffers", BYTES[RED])
+
+
 def test_the_pbuffers_of_egl_are_single_buffered():
     program = Program().call("eglCreateContext", 1, 2, None, [0x3038], result=99)
     program.call("eglCreatePbufferSurface", 1, 2, [0x3057, 6, 0x3056, 3, 0x3038], result=5)
