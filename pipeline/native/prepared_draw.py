@@ -150,7 +150,8 @@ class Prepared:
         given = self._state(), plan, self.primitives.triangles, self._vertices(), packed.units
         made = make_job(given, (self.order, self.ends), self.texels, self.levels)
         if made is not None:
-            self.job, self.beside = made
+            # The job names the plan by its address. Another thread's equal plan may replace it in the rows.
+            self.job, self.beside = made[0], (plan, made[1])
 
     # The arrays that both engines' kernels take; ``raster/arrays.py`` names the members.
 

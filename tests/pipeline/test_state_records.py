@@ -16,6 +16,7 @@ from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.native import state_records
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.state_records import StateRecord, StateRecords
+from fixedpipe.pipeline.native.state_rows import StateRows
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import (
     CombinerInput,
@@ -101,6 +102,29 @@ def test_of_random_frames(by_one_call):
         frame = random_frame(seed)
         Machine(frame.profile, frame.width, frame.height, frame.depth_bits).run(frame.commands)
     assert sum(by_one_call) > 50
+
+
+def test_a_job_s_plan_lives_as_long_as_its_draw(monkeypatch):
+    """A job names arrays by their addresses. Rows that several threads share may get another equal plan."""
+    find, fill, plans, drawn = StateRows.filled_plan, Prepared.fill_job, [], []
+
+    def replaced(rows, draw, units, derived):
+        plans.append(weakref.ref(plan := find(rows, draw, units, derived)))
+        del derived["rows"]
+        return plan
+
+    def filled(draw):
+        fill(draw)
+        if draw.job is not False:
+            drawn.append((draw, plans[-1]))
+
+    monkeypatch.setattr(StateRows, "filled_plan", replaced)
+    monkeypatch.setattr(Prepared, "fill_job", filled)
+    for seed in range(100):
+        frame = random_frame(seed)
+        Machine(frame.profile, frame.width, frame.height, frame.depth_bits).run(frame.commands)
+    assert len(drawn) > 20
+    assert all(plan() is not None for _, plan in drawn)
 
 
 # --------------------------------------------------------------------------------------- chosen Draws
