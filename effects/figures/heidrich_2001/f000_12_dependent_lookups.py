@@ -5,10 +5,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing, pass_graph
+from fixedpipe.effects.diagrams.checks import missing_texts
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -205,13 +207,30 @@ def scene_by(way):
 # ---------------------------------------------------------------------------------------------- checks
 
 
+def _in_its_box(window, view, box, half, edge):
+    """The pixel in the middle of each texel of a box, but for those at the edge, where the box is drawn."""
+    low, high = (drawing.project(view, (box.x + s * half, box.y + s * half))[:2] for s in (-1.0, 1.0))
+    place = (np.arange(edge)[3:-3] + 0.5) / edge
+    columns, rows = (np.floor(a + place * (b - a)).astype(int) for a, b in zip(low, high, strict=True))
+    return window[np.ix_(rows, columns)]
+
+
+def _side_apart(window, view, box):
+    """How far a box's four sides are from their line's colour, away from corners and arrows: the largest."""
+    color, apart = np.array(INK if box.combined else YELLOW), 0.0
+    for along, across in ((0.5, 1.0), (0.5, -1.0), (1.0, 0.5), (-1.0, 0.5)):
+        x, y = drawing.project(view, (box.x + along * _HALF, box.y + across * _HALF))[:2]
+        apart = max(apart, float(np.abs(window[int(y), int(x)] - color).max()))
+    return apart
+
+
 def checks(figure, renderer):
     """What addresses what, and the pictures in the boxes against float64."""
     values, size = dict(figure.values_of(renderer.method)), figure.size
     light = tuple(check_light(values["light"]).tolist())
     setup = _setup(renderer.profile, size, values)
     _, gathered = frame(WAYS[renderer.method.name], setup, light)
-    found, _ = boxes(gathered)
+    found, combining = boxes(gathered)
     addressed = [
         (found[box.addressed_by].picture, box.picture) for box in found if box.addressed_by is not None
     ]
@@ -235,22 +254,42 @@ def checks(figure, renderer):
     view, edge = drawing.sheet(row_of_panels(1, size, ASPECT)[0]), field.columns
     for on in Answer:
         window = renderer.window(on, figure, size)
-        for name, (x, y, half), expected in (
-            ("L_d", (looked_up.x, looked_up.y, _HALF), direct),
-            ("the result", (_COLUMNS[3], middle, _RESULT_HALF), product),
+        for name, box, half, expected in (
+            ("L_d", looked_up, _HALF, direct),
+            ("the result", Box(_COLUMNS[3], middle, RESULT, "", None, True), _RESULT_HALF, product),
         ):
-            low, high = (drawing.project(view, (x + s * half, y + s * half))[:2] for s in (-1.0, 1.0))
-            # The pixel in the middle of each texel, but for those at the edge, on which the box is drawn.
-            place = (np.arange(edge)[3:-3] + 0.5) / edge
-            columns, rows = (
-                np.floor(a + place * (b - a)).astype(int) for a, b in zip(low, high, strict=True)
-            )
             yield DATA.check(
                 "RMS of {name} in its box - float64",
-                root_mean_square(window[np.ix_(rows, columns)] - expected[3:-3, 3:-3]),
+                root_mean_square(_in_its_box(window, view, box, half, edge) - expected[3:-3, 3:-3]),
                 on,
                 name=name,
             )
+        shown = {
+            SEEN: seen_places.named_texels(seen),
+            NORMALS: 0.5 + 0.5 * field.normals,
+            ALBEDO: field.albedo,
+        }
+        shares = [
+            seen_places.alike(
+                _in_its_box(window, view, box, _HALF, edge),
+                shown[box.picture][3:-3, 3:-3],
+                seen_places.WITHIN,
+            )
+            for box in found
+            if box.picture in shown
+        ]
+        yield DATA.check(
+            "texels of S_i, n and the albedo in their boxes within 8/255, the least", min(shares), on
+        )
+        yield DATA.check(
+            "sides of boxes in the colour of coordinates or of what is combined, largest difference",
+            max(_side_apart(window, view, box) for box in found),
+            on,
+        )
+    texts = ["p (s, t)", "x", "framebuffer", combining.replace("\n", " "), *(box.words for box in found)]
+    yield DATA.check(
+        "texts of the diagram that are not written", missing_texts(figure, renderer, texts), Answer.MACHINE
+    )
     yield DATA.check("share of texels that see another along d_i", float((seen >= 0).mean()), Answer.IDEAL)
 
 

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
 from fixedpipe.effects.data_files import figure_data
@@ -149,16 +150,58 @@ def checks(figure, renderer):
         Answer.MACHINE,
     )
 
+    finest = levels[0].offsets
+    colors = [_colors(finest, number) for number in range(SHOWN)]
+    for on in Answer:
+        image, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
+        for number, both in enumerate(colors):
+            for panel, true in enumerate(both):
+                box, column, row = _box(image, size, panel, number)
+                there = [np.floor(part * len(true)).astype(int) for part in (row, column)]
+                shares.append(seen_places.alike(box, true[np.ix_(*there)], seen_places.WITHIN))
+        yield DATA.check(
+            "a level's pixels with the texels' mean, or D of their covariance, within 8/255, the least",
+            min(shares),
+            on,
+        )
 
-def _spread(image, size, panel, level):
-    """The deviation of a level's colours as they are drawn."""
+
+def _box(image, size, panel, level):
+    """A level's pixels, and at which share of its edge their columns and rows lie."""
     width = size * 3 // 2
-    seen = image[:, panel * width : (panel + 1) * width]
     x, y, edge = list(places())[level]
     scale = size / (1.0 + 2.0 * _GAP)
     left, low = (0.5 * width + (x - 0.75) * scale, 0.5 * size + (y - 0.5) * scale)
-    box = seen[int(low) + 1 : int(low + edge * scale) - 1, int(left) + 1 : int(left + edge * scale) - 1]
+    columns, rows = (np.arange(int(start) + 1, int(start + edge * scale) - 1) for start in (left, low))
+    column, row = ((k + 0.5 - start) / (edge * scale) for k, start in ((columns, left), (rows, low)))
+    return image[np.ix_(rows, panel * width + columns)], column, row
+
+
+def _spread(image, size, panel, level):
+    """The deviation of a level's colours as they are drawn."""
+    box, _, _ = _box(image, size, panel, level)
     return float(box.reshape(-1, 3).std(axis=0).mean())
+
+
+def _blocks(finest, number):
+    """What a level's texels cover of level 0: the means, [n, n, 2], and D of the covariance, [n, n, 3]."""
+    edge = len(finest) >> number
+    parts = finest.reshape(edge, 1 << number, edge, 1 << number, 2)
+    mean = parts.mean(axis=(1, 3))
+    apart = parts - mean[:, None, :, None]
+    (a, b), (_, c) = np.einsum("iujvk,iujvl->klij", apart, apart) / 4.0**number
+    d_3 = np.sqrt(c)
+    d_2 = np.divide(b, d_3, out=np.zeros_like(b), where=d_3 > 0.0)
+    return mean, np.stack([np.sqrt(np.maximum(a - d_2 * d_2, 0.0)), d_2, d_3], axis=-1)
+
+
+def _colors(finest, number):
+    """A level of both pyramids as it is to look, from level 0 alone: float64 [n, n, 3] each."""
+    largest = max(float(np.abs(_blocks(finest, k)[1]).max()) for k in range(len(finest).bit_length()))
+    mean, d = _blocks(finest, number)
+    offsets = np.concatenate([mean / np.abs(finest).max(), np.ones((*mean.shape[:2], 1))], axis=-1)
+    d = d / largest
+    return 0.5 + 0.5 * offsets, np.stack([d[..., 0], 0.5 + 0.5 * d[..., 1], d[..., 2]], axis=-1)
 
 
 FIGURE = Figure(
