@@ -18,6 +18,7 @@ from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import (
     ellipse_passes,
+    ellipses,
     horizon_maps,
     visibility,
     visibility_shadows,
@@ -141,6 +142,7 @@ def checks(figure, renderer):
     facing = np.maximum(dot(bed.field.normals, vector), 0.0)
     plain = stones.sampled(bed.colors * facing[..., None], size).max(axis=-1)
     clear = plain > stones.CLEARLY_LIT
+    test = ellipses.tested(*(stones.sampled(form, size) for form in bed.forms), *vector[:2])
     nearest = bed.visibility.directions[sphere.nearest(bed.visibility.directions, vector)]
     for on in Answer:
         window = renderer.window(on, figure, size, **changes)
@@ -153,6 +155,12 @@ def checks(figure, renderer):
                 at_least=bound,
                 name=name,
             )
+        told = clear & (np.abs(test) > (0.15 if on is Answer.MACHINE else 1e-3))
+        yield DATA.check(
+            "pixels that ellipses light where Eq. 4 says so, away from the ellipses' edges",
+            float((lit[3] == (test >= 0.0))[told].mean()),
+            on,
+        )
         other = stones.sampled(visibility.free_view(bed.field, nearest).astype(float), size) > 0.5
         yield DATA.check(
             "pixels that the nearest direction lights as rays along it do",
