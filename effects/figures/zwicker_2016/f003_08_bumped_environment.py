@@ -1,8 +1,11 @@
 """F003-8: a bumpy sphere in which a room is reflected."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.data_files import figure_data
@@ -140,6 +143,36 @@ def _filtered(image, coordinates):
     return low * (1.0 - g) + high * g
 
 
+@lru_cache(1)
+def _by_rays(size, relief):
+    """Which pixels show a sphere, the room behind, and what the mirror and the waves mirror: RGB [n, 3]."""
+    view = perspective_view(row_of_panels(1, size)[0], EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
+    mirrored = []
+    for _, normals in _maps(size, relief, None, None, 1.0):
+        toward, _, seen = reference(the_sphere(size), view, normals, size)
+        mirrored.append(environments.room(toward[seen]))
+    behind = environments.room(primary_rays(view)[1]).reshape(size, size, 3)
+    return seen, behind[~seen], mirrored
+
+
+def _displayed_checks(figure, renderer):
+    """What the displayed spheres mirror, and the wall behind them, against rays into the room."""
+    size = figure.size
+    seen, wall, mirrored = _by_rays(size, figure.values["relief"])
+    for on in Answer:
+        panels = [panel_of(np.clip(renderer.window(on, figure, size), 0.0, 1.0), k) for k in (0, 1)]
+        shares = []
+        for number, (shown, true) in enumerate(zip(panels, mirrored, strict=True)):
+            shares.append(least_share(shown[~seen], wall, wall.mean(axis=0)))
+            if not number:
+                shares.append(least_share(shown[seen], true, true.mean(axis=0)))
+            elif renderer.method.name == "texture shaders":  # the offsets of a sphere map are secants
+                shares.append(least_share(shown[seen], true, true.mean(axis=0), mirrored[0]))
+        yield DATA.check(
+            "of what the room and the waves change, the least share that is seen", min(shares), on
+        )
+
+
 # Of each method, for the ideal and for the machine: how far reflected directions may be from the reference's,
 # RMS degrees, and why.
 _ERRORS = {
@@ -182,6 +215,7 @@ def checks(figure, renderer):
         0.03,
         "8-bit normals turn reflections by half a degree, seen at window bars; a quarter of slack",
     )
+    yield from _displayed_checks(figure, renderer)
 
 
 FIGURE = Figure(

@@ -1,10 +1,11 @@
 """F003-10: why shadows are important, cues on the scene's lighting: where is the light? (Z29, Z10, Z23)."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
+from fixedpipe.effects.acceptance import agreement, each_thing, ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
@@ -124,6 +125,17 @@ def _compared(figure, renderer, on, size):
         yield part, truth, agreement.compare(part, truth, **understood)
 
 
+@lru_cache(1)
+def _things(size, positions):
+    """What each thing changes, by panels: ``each_thing.changes_of``."""
+    scene = still_life.still_life(objects_and_lamps.detail_of(size))
+    view = still_life.still_life_view(row_of_panels(1, size)[0])
+    return {
+        number: each_thing.changes_of(shadow_reference.Shot(scene, view, (lamp,)))
+        for number, lamp in enumerate(_lamps(scene, positions))
+    }
+
+
 def checks(figure, renderer):
     """The masks against rays, and where the lamp is, read off the shadows."""
     machine = list(_compared(figure, renderer, Answer.MACHINE, figure.size // 2))
@@ -145,6 +157,7 @@ def checks(figure, renderer):
             which=_TURNS[0],
             which_2=_TURNS[-1],
         ),
+        *each_thing.checks(DATA, figure, renderer, _things(figure.size, figure.values["positions"])),
     )
 
 

@@ -1,8 +1,10 @@
 """F003-23: a shadow's edge by one comparison, by 2x2 filtered ones (Z17) and by 8x8 (Z18)."""
 
+from functools import lru_cache
+
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, shadow_reference
+from fixedpipe.effects.acceptance import agreement, each_thing, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
@@ -178,6 +180,15 @@ def checks(figure, renderer):
         Answer.MACHINE,
         at_most=1.5 / 255.0,
     )
+    things = _things(figure.size)
+    yield from each_thing.checks(DATA, figure, renderer, dict.fromkeys((HARD, FILTERED, KERNEL), things))
+
+
+@lru_cache(1)
+def _things(size):
+    """What each thing changes, the same in every panel: ``each_thing.changes_of``."""
+    scene, lamp = scene_of(size)
+    return each_thing.changes_of(shadow_reference.Shot(scene, view_of(Panel(0, 0, size, size)), (lamp,)))
 
 
 def reference(size, *, shading, **_):

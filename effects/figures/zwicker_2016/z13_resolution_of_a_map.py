@@ -11,6 +11,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     reference,
     scene,
     shown_and_whole,
+    things_checks,
     wrong,
 )
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
@@ -35,6 +36,7 @@ def checks(figure, renderer):
             Answer.MACHINE,
         ),
         others((*found, *shown)),
+        *things_checks(DATA, figure, renderer),
     )
 
 

@@ -16,6 +16,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     parameters_of,
     reference,
     sliced_scene,
+    things_checks,
     truth,
     wrong,
 )
@@ -68,6 +69,7 @@ def checks(figure, renderer):
             Answer.MACHINE,
         ),
         others((*found, *shown)),
+        *things_checks(DATA, figure, renderer),
     )
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, shadow_reference
+from fixedpipe.effects.acceptance import agreement, each_thing, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -224,6 +224,34 @@ def shown_and_whole(figure, renderer, size):
     whole = tuple((*panel[:3], WHOLE) for panel in near)
     shown, found = (machine_agreements(figure, renderer, size, panels) for panels in (near, whole))
     return shown, found
+
+
+@lru_cache(maxsize=2)
+def _things(size, panel, sun, background, mixture):
+    """What each thing changes of a panel in each of its slices: ``each_thing.changes_of``."""
+    fit, ratio, slices, look = panel
+    rays = truth(size, sun, look)
+    parts = parts_for(fit, ratio, slices, size, avenue.avenue(detail_of(size)), sun, mixture)
+    regions = [between(part.planes, rays) for part in parts] if look == WHOLE else ()
+    shot = shadow_reference.Shot(avenue.avenue(detail_of(size)), rays.view, (rays.lamp,), background)
+    return each_thing.changes_of(shot, regions)
+
+
+def things_checks(data, figure, renderer):
+    """The Checks that magnified panels, and whole ones with slices, show each thing's light and its shadow.
+
+    One map of the whole view has too few texels for the shadows of what is far away.
+    """
+    p, asked = figure.values, {}
+    for number, (fit, ratio, slices, look) in enumerate(p["panels"]):
+        # However many texels a map has, a magnified panel shows the same things.
+        panel = (parted_shadow_maps.MapFit.BASIC, 1.0, 1, look) if look in MAGNIFIED else None
+        if look == WHOLE and slices > 1:
+            panel = fit, ratio, slices, look
+        if panel is not None:
+            mixture = p.get("mixture", frustum_slices.LAMBDA)
+            asked[number] = _things(figure.size, panel, p["sun"], p["background"], mixture)
+    yield from each_thing.checks(data, figure, renderer, asked)
 
 
 def between(planes, rays):
