@@ -20,6 +20,7 @@ from fixedpipe.effects.acceptance.parts import LEAST_PIXELS
 from fixedpipe.effects.acceptance.ray_caster import RayCaster
 from fixedpipe.effects.acceptance.shadow_reference import Shot
 from fixedpipe.effects.geometry.views import panel_of
+from fixedpipe.effects.shadows.lit_scene import AMBIENT
 
 # What a thing changes: its name, "light" or "shadow" and the region's number, to the pixels, and their
 # colours with it and without.
@@ -45,15 +46,15 @@ def changes_of(shot: Shot, regions: Sequence[NDArray[np.bool_]] = ()) -> Changes
     regions  each bool [h, w], bottom row first: a thing is asked for in each; none: in the whole picture
     """
     (lamp,) = shot.lamps
-    nowhere = replace(shot, reached=lambda points: np.zeros(len(points), np.bool_))
-    whole, free, unlit = (
-        shadow_reference.rays(of, samples=1)[::-1, :, :3]
-        for of in (shot, replace(shot, shadows=False), nowhere)
-    )
+    free = shadow_reference.rays(replace(shot, shadows=False), samples=1)[::-1, :, :3]
     truth = truth_of(shot.scene, shot.view, lamp, shot.self_shadows)
     shown, out = truth.shown, {}
+    # What no lamp reaches has ambient light alone.
+    unlit = np.minimum(np.array([thing.color for thing in shot.scene.objects]) * AMBIENT[:3], 1.0)[
+        shown.object
+    ]
 
-    def add(what, where, without):
+    def add(what, where, whole, without):
         for number, region in enumerate(regions or (np.ones_like(where),)):
             inner = _inner(where & region)
             if inner.sum() >= LEAST_PIXELS:
@@ -64,7 +65,7 @@ def changes_of(shot: Shot, regions: Sequence[NDArray[np.bool_]] = ()) -> Changes
     faces = (shown.normals.reshape(-1, 3) * directions).sum(axis=-1).reshape(truth.lit.shape) > 0.0
     dark = shown.something & faces & ~truth.lit
     for number, thing in enumerate(shot.scene.objects):
-        add((thing.name, "light"), truth.lit & (shown.object == number), unlit)
+        add((thing.name, "light"), truth.lit & (shown.object == number), free, unlit)
         kept = owner != number
         if not thing.throws or not kept.any():
             continue
@@ -77,7 +78,7 @@ def changes_of(shot: Shot, regions: Sequence[NDArray[np.bool_]] = ()) -> Changes
         )
         its = np.zeros(dark.shape, np.bool_)
         its[dark] = ~still
-        add((thing.name, "shadow"), its, free)
+        add((thing.name, "shadow"), its, unlit, free)
     return out
 
 
