@@ -10,7 +10,6 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
-from fixedpipe.effects.geometry.views import panel_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,18 +171,26 @@ def alike(shown, true, within):
 WITHIN = 8.0 / 255.0
 
 
+def _panel(figure, picture, number):
+    """A panel of a figure's picture [height, columns * width, ...], whatever its aspect."""
+    width = figure.panel_width(len(picture))
+    return picture[:, number * width : (number + 1) * width]
+
+
 def shares_alike(figure, renderer, true):
     """(on, share) of either Answer: the share of a displayed panel's pixels that have the true colours within
     8/255, the least of the panels.
 
-    ``true``: by a panel's number which of its pixels are compared, bool [size, size], bottom row first, and
-    their colours, [n, 3].
+    ``true``: by a panel's number which of its pixels are compared, bool [height, width], bottom row first,
+    and their colours, [n, 3].
     """
     for on in Answer:
         window = renderer.window(on, figure, figure.size)
         yield (
             on,
-            min(alike(panel_of(window, k)[where], colors, WITHIN) for k, (where, colors) in true.items()),
+            min(
+                alike(_panel(figure, window, k)[where], colors, WITHIN) for k, (where, colors) in true.items()
+            ),
         )
 
 
@@ -193,7 +200,7 @@ def of_reference(figure, method):
     """
     picture, true = figure.reference_picture(method=method)[::-1], {}
     for number in figure.compared:
-        panel = panel_of(picture, number - 1)
+        panel = _panel(figure, picture, number - 1)
         where = panel[..., 3] > 0.0
         true[number - 1] = where, panel[where, :3]
     return true

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.seen_places import of_reference
 from fixedpipe.effects.figures import FIGURES, Renderer
 from fixedpipe.effects.figures.displayed_checks import displayed_checks
 from fixedpipe.pipeline.execution.machine import execute
@@ -35,6 +36,21 @@ def test_another_reference_is_refused():
 
     found = checks_of(replace(FIGURE, reference=darker), "OPENGL_1_2")
     assert all(not check.passed for check in found if "reference" in check.name)
+
+
+def test_compared_panels_are_as_wide_as_the_figure_s_aspect_says():
+    figure = FIGURES["F001-11"]
+    height, width = 12, figure.panel_width(12)
+
+    def numbered(size, **values):
+        row = np.repeat(np.arange(figure.columns), width) / 4.0
+        return np.ones((size, len(row), 4)) * np.stack([row, row, row, np.ones(len(row))], axis=-1)
+
+    assert width != height
+    small = replace(figure, size=height, reference=numbered)
+    (where, colors), *others = of_reference(small, small.methods[0]).values()
+    assert where.shape == (height, width) and not others
+    assert np.unique(colors).tolist() == [(figure.compared[0] - 1) / 4.0]
 
 
 def test_parts_are_left_out_on_the_first_machine_of_a_method_alone():
