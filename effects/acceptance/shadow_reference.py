@@ -189,6 +189,14 @@ class _Lighting:
         return np.einsum("nk,nkc->nc", weights, self.lit[lamp, side, triangles])
 
 
+def corner_light(shot: Shot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Light at the corners of a Shot's triangles: without the lamps, float64 [triangles, 3], and each lamp's
+    on the front, float64 [lamps, triangles, 3 corners, 3].
+    """
+    light = _Lighting(shot.scene, shot)
+    return light.unlit, light.lit[:, 0]
+
+
 def _light_at_corners(thing: Object, view: View, lamp: Lamp, side: float) -> NDArray[np.float64]:
     """What the lamp gives at a thing's vertices, by its triangles: float64 [n, 3 corners, 3]; ``side`` -1:
     on the back of what has two.

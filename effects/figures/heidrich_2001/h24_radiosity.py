@@ -4,7 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.data_files import figure_data
@@ -124,9 +126,57 @@ def _displayed(figure, renderer):
         )
 
 
+def _continued(texels, below):
+    """A map [n, n, 3] whose texels ``below`` something have those of the nearest others."""
+    rows, columns = np.nonzero(~below)
+    out = texels.copy()
+    for j, i in zip(*np.nonzero(below), strict=True):
+        nearest = np.argmin((rows - j) ** 2 + (columns - i) ** 2)
+        out[j, i] = texels[rows[nearest], columns[nearest]]
+    return out
+
+
+def _foot_checks(figure, renderer):
+    """The floor within half an element of the boxes, beside floors whose texels below them are black or full:
+    seams.
+    """
+    size, values = figure.size, figure.values
+    elements = fitting_elements(size)
+    room, _, solution = solved(elements, values["left"], values["right"])
+    shown, floor = [wall for wall in room if wall.name != small_room.FRONT], room[0]
+    view = perspective_view(row_of_panels(1, size)[0], EYE, CENTER, FIELD_OF_VIEW)
+    number, s, t = light_maps.nearest(shown, *primary_rays(view))
+    square = number.reshape(size, size)
+    inner = np.all([square == np.roll(square, step, axis) for step in (-1, 1) for axis in (0, 1)], axis=0)
+    where = (square == 0) & inner
+    s, t = s[where.ravel()], t[where.ravel()]
+    places, middles = floor.corner + s[:, None] * floor.across + t[:, None] * floor.up, floor.centers()
+    near, below = np.zeros(len(s), np.bool_), np.zeros(middles.shape[:2], np.bool_)
+    for box in small_room.BOXES.values():
+        beyond, of = (
+            (np.abs(box.to_box(p - np.array(box.middle))) - np.array(box.half))[..., ::2].max(axis=-1)
+            for p in (places, middles)
+        )
+        near |= beyond < small_room.HALF_WIDTH / elements
+        below |= of < 0.0
+    where[where] = near
+    place = seen_places.Seen(where, s[near], t[near], np.empty(0))
+    texels = np.minimum(values["exposure"] * solution.radiosity["floor"], 1.0)
+    maps = _continued(texels, below), *(np.where(below[..., None], full, texels) for full in (0.0, 1.0))
+    whole, *seams = (seen_places.looked_up(one, place) for one in maps)
+    for on in Answer:
+        panel = panel_of(np.clip(renderer.window(on, figure, size), 0.0, 1.0), 2)[where]
+        yield DATA.check(
+            "floor at the boxes' feet: of what would be seams, the least share that is not there",
+            least_share(panel, whole, *seams),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """Energy, light gathered by rays, colours that walls send, and light maps on the machine."""
     yield from _displayed(figure, renderer)
+    yield from _foot_checks(figure, renderer)
     size, values = 128, figure.values
     elements = fitting_elements(size)
     room, direct, solution = solved(elements, values["left"], values["right"])

@@ -4,12 +4,13 @@ light.
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, shadow_reference
+from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import ambient_form_pass, scene_passes, stencil_passes, store_map
@@ -49,6 +50,79 @@ def make(profile, size, *, ratio, factor, share, from_red, shading):
 _SIZE = 192
 
 
+# Those of the things that turn away from the light all round.
+_ROUND = ("ring", "vase", "sphere")
+# The largest cosine between a surface and the light where it turns away: a twelfth of the lamp's light.
+_TURNING = 1.0 / 12.0
+
+
+def _stairs(panel, mask, where):
+    """By what share the darker of two neighbouring pixels is darker, the mean where the ``mask`` lights one.
+
+    Zero where it nowhere lights one of two.
+    """
+    found = []
+    for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        at = where[one] & where[other] & (mask[one] != mask[other])
+        pair = np.stack([panel[side][at].sum(axis=-1) for side in (one, other)])
+        found.append(1.0 - pair.min(axis=0) / pair.max(axis=0))
+    found = np.concatenate(found)
+    return float(found.mean()) if len(found) else 0.0
+
+
+def _turning_checks(figure, renderer):
+    """Where round things turn away from the light, and the ring's highlights."""
+    values, size = figure.values_of(renderer.method), figure.size
+    scene, light = still_life_and_lamp(size)
+    view = still_life_view(Panel(0, 0, size, size))
+    truth = agreement.truth_of(scene, view, light)
+    turning = np.abs(agreement.cosines(truth)) < _TURNING
+    # Stairs are edges where no ray has one.
+    for step in (-1, 1):
+        for axis in (0, 1):
+            turning &= np.roll(truth.lit, step, axis) == truth.lit
+    turning &= ~agreement.silhouettes(truth)
+    things = {thing.name: k for k, thing in enumerate(scene.objects)}
+    for on in Answer:
+        masks, picture = (renderer.window(on, figure, size, shading=how) for how in reversed(SceneShading))
+        mask = panel_of(masks, 1)[..., 0] > 0.5 * (1.0 + values["share"])
+        for k, extreme, bound in ((0, max, "at_most"), (1, min, "at_least")):
+            steps = [
+                _stairs(panel_of(picture, k), mask, turning & (truth.shown.object == things[name]))
+                for name in _ROUND
+            ]
+            yield DATA.check(
+                "{name}: where round things turn away from the light, the comparison's stairs, share",
+                extreme(steps) / (1.0 - values["share"]),
+                on,
+                name=figure.panels[k],
+                **{bound: 0.5},
+            )
+    red = np.clip(panel_of(renderer.machine_window(figure, size), 1)[..., :1], 0.0, 1.0)
+    whole, loose, glows = _clamped(scene, view, light, truth)
+    yield DATA.check(
+        "one pass: of what clamping at vertices changes in the ring's highlights, the share that is seen",
+        least_share(red[glows], whole[glows], loose[glows]),
+        Answer.MACHINE,
+    )
+
+
+def _clamped(scene, view, light, truth):
+    """Red of the lit ring, clamped at vertices and interpolated then, and the other way round: float64 [size,
+    size, 1]. Then where they differ by more than a byte's step: bool [size, size].
+    """
+    unlit, lit = shadow_reference.corner_light(shadow_reference.Shot(scene, view, (light,)))
+    triangle = truth.shown.triangle
+    hits = truth.caster.nearest(*ray_caster.primary_rays(view), 1.0)
+    weights = hits.barycentrics.reshape(*triangle.shape, 3)
+    at = unlit[triangle][..., None, :1] + lit[0][triangle][..., :1]
+    whole, loose = ((weights[..., None] * one).sum(axis=-2) for one in (np.minimum(at, 1.0), at))
+    loose = np.minimum(loose, 1.0)
+    ring = [thing.name for thing in scene.objects].index("ring")
+    where = (truth.shown.object == ring) & truth.lit & ~agreement.silhouettes(truth)
+    return whole, loose, where & ((loose - whole)[..., 0] > 1.0 / 255.0)
+
+
 def checks(figure, renderer):
     """Both masks against rays and against each other; the numbers of passes (E000.8)."""
     parameters = figure.values_of(renderer.method)
@@ -73,6 +147,7 @@ def checks(figure, renderer):
             on,
             at_most=1e-9 if on is Answer.IDEAL else 1.5 / 255.0,
         )
+    yield from _turning_checks(figure, renderer)
     # With a map that the window holds.
     commands = figure.commands(renderer.profile, _SIZE, renderer.method, ratio=1)
     times = [
