@@ -3,7 +3,10 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
+from fixedpipe.effects.acceptance.seen_places import unit
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import (
     fresnel_passes,
@@ -18,7 +21,7 @@ from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
 from fixedpipe.effects.geometry.vertex_vectors import reflected
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.state import Light, Lighting, Material, PassState
@@ -104,6 +107,58 @@ def make_scene(loading, read):
     return scene
 
 
+def _lit(values, normals, eye):
+    """Diffuse light and highlights where normals and vectors to the eye [..., 3] are: float64 [..., 3] each.
+
+    Source: OpenGL 1.2.1, section 2.13.1, without ambient light.
+    """
+    diffuse, bright = np.zeros((2, *normals.shape))
+    for direction, color in lights_of(values):
+        toward = unit(np.array(direction))
+        facing = np.maximum(normals @ toward, 0.0)[..., None]
+        half = np.maximum((normals * unit(eye + toward)).sum(axis=-1), 0.0)[..., None]
+        diffuse += facing * np.array(values["diffuse"]) * color
+        bright += values["k_s"] * (half ** min(4 * values["exponent"], 128) * (facing > 0.0)) * color
+    return diffuse, bright
+
+
+def _displayed_checks(figure, renderer):
+    """Light at vertices on the left, and on the right under the map's highlights, as displayed."""
+    size, values = figure.size, figure.values_of(renderer.method)
+    surface, view = ball_in_ring(values["segments"]), camera(Panel(0, 0, size, size), EYE)
+    normals, eye, where = normals_by_rays(surface, view)
+    where &= (normals * eye).sum(axis=-1) > 0.3
+    hits = RayCaster(surface.positions[surface.triangles]).nearest(*primary_rays(view), 1.0)
+    at = where.ravel()
+    corners, weights = surface.triangles[hits.triangle[at]], hits.barycentrics[at][..., None]
+    to_eye = unit(np.array(EYE) - surface.positions)
+    diffuse, bright = (light[corners] for light in _lit(values, surface.normals, to_eye))
+    at_vertices = (np.minimum(diffuse + bright, 1.0) * weights).sum(axis=1)
+    diffuse = (diffuse * weights).sum(axis=1)
+    normals, eye = normals[where], eye[where]
+    smooth = np.minimum(sum(_lit(values, normals, eye)), 1.0)
+    mirrored = 2.0 * (normals * eye).sum(axis=-1, keepdims=True) * normals - eye
+    by_map = np.zeros(mirrored.shape)
+    for direction, color in lights_of(values):
+        lobe = np.maximum(mirrored @ unit(np.array(direction)), 0.0) ** values["exponent"]
+        by_map += lobe[:, None] * np.array(color)
+    by_map = values["k_s"] * np.minimum(by_map, 1.0)
+    for on in Answer:
+        left, right = (
+            panel_of(np.clip(renderer.window(on, figure, size), 0.0, 1.0), k)[where] for k in (0, 1)
+        )
+        yield DATA.check(
+            "at vertices: of the light and of its way along the mesh, the least share that is seen",
+            least_share(left, at_vertices, smooth, 0.0 * smooth),
+            on,
+        )
+        yield DATA.check(
+            "in a map: of the diffuse light under the highlights, the share that is seen",
+            least_share(right, np.minimum(diffuse + by_map, 1.0), by_map),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """Highlights alone against Phong's and Blinn's models at every pixel's normal."""
     size, values = 192, figure.values_of(renderer.method)
@@ -123,6 +178,7 @@ def checks(figure, renderer):
         faces = dot(normals, np.broadcast_to(toward, normals.shape)) > 0.0
         blinn += k_s * (half ** min(4 * exponent, 128) * faces)[:, None] * np.array(color)
     blinn = np.minimum(blinn, 1.0)
+    yield from _displayed_checks(figure, renderer)
     changes = {"diffuse": (0.0, 0.0, 0.0), "background": (0.0, 0.0, 0.0)}
     for on in Answer:
         image = np.clip(renderer.window(on, figure, size, **changes), 0.0, 1.0)

@@ -6,7 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.data_files import figure_data
@@ -16,7 +18,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
 from fixedpipe.effects.geometry.vertex_vectors import light_vectors
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import ADD, EDGE, draw, unit
 from fixedpipe.effects.passes.encoding import vector_colors
@@ -83,10 +85,49 @@ def host_scene(profile, size, *, light, extent, diffuse, specular, background, *
     return tuple(out)
 
 
+def _in_float(p, seen):
+    """Each panel's pixels in float64 by a figure's values, then with one N, then with one e. The last panel's
+    then without diffuse light. Float64 [n, 3] each. N and e are filtered, and F is taken of them then.
+    """
+    m = _material(*(p[name] for name in ("map_size", "bumps", "depth", "alpha_x", "alpha_y", "exponents")))
+    toward = seen_places.unit(np.array(p["light"]))
+    half = seen_places.unit(toward + EYE)
+    lost = (m.tangents @ half / p["alpha_x"]) ** 2 + (m.binormals @ half / p["alpha_y"]) ** 2
+    e = seen_places.looked_up(np.maximum(1.0 - lost, 0.0), seen)
+    s = seen_places.looked_up(np.log2(m.exponent) / 7.0, seen)
+    lit = seen_places.looked_up(np.maximum(m.normals @ toward, 0.0), seen)[:, None] * np.array(p["diffuse"])
+
+    def panels(s, e, lit):
+        power = (np.sqrt(e) ** 2.0 ** (7.0 * s))[:, None]
+        both = np.clip(power * np.array(p["specular"]) + lit, 0.0, 1.0)
+        return np.stack([s, e, e], axis=-1), np.repeat(power, 3, axis=1), both
+
+    whole, one_n, one_e = (
+        panels(s, e, lit),
+        panels(0.0 * s + s.mean(), e, lit),
+        panels(s, 0.0 * e + e.mean(), lit),
+    )
+    copied, looked_up, both = zip(whole, one_n, one_e, strict=True)
+    return copied, looked_up, (*both, panels(s, e, 0.0 * lit)[2])
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed panels beside those with one N, with one e, and without diffuse light."""
+    seen = seen_places.square(figure.size, figure.values["extent"])
+    found = _in_float(figure.values, seen)
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        shares = [least_share(panel_of(window, k)[seen.where], *of) for k, of in enumerate(found)]
+        yield DATA.check(
+            "of what N, e and the diffuse light change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """The lookup against the float model, the host's picture against the Octane's, and the copied
     coordinates.
     """
+    yield from _displayed_checks(figure, renderer)
     p = figure.values
     size, by_host = p["map_size"], renderer.method.machines[0] != "OCTANE"
     black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)

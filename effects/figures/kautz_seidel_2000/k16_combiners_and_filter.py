@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
@@ -11,7 +12,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, future_board, material_textures
 
 DATA = figure_data(__file__, "K16")
@@ -66,8 +67,44 @@ def highlight_error(image, alpha):
     return root_mean_square(image - brdfs.anisotropic_blinn_phong(RING_HALF, *frame[1:], alpha, alpha))
 
 
+def _by_pixels(seen, values):
+    """Each panel's pixels by Eq. 1 in float64, then without a material's field each, then in the other order:
+    [1 + others, n, 3].
+    """
+    # The lamp whose halfway vector is RING_HALF.
+    values = {**values, "light": 2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0])}
+    centers = height_fields.texel_centers(*2 * [values["map_size"]])
+    for slopes in SURFACES.values():
+        material = material_textures.from_slopes(*slopes(*centers), *2 * [values["alpha"]])
+        both = [
+            material_reference.pictures(
+                material_reference.fields(material), seen, values, gated=False, squared_first=before
+            )
+            for before in (False, True)
+        ]
+        for one, other in (both, both[::-1]):
+            yield np.concatenate([one, other[:1]])
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed panels beside those without a field, and beside the other order's."""
+    seen = seen_places.square(figure.size, figure.values["extent"])
+    found = list(_by_pixels(seen, figure.values))
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        shares = [
+            material_reference.least_share(panel_of(window, k)[seen.where], *of) for k, of in enumerate(found)
+        ]
+        yield DATA.check(
+            "of what the material and the order of filter and combiners change, the least share that is seen",
+            min(shares),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """Evaluating first is right at the crease, and wrong on the smooth bump."""
+    yield from _displayed_checks(figure, renderer)
     size = 256
     changes = {**DARK, "specular": (1.0, 1.0, 1.0), "extent": 1.0}
     map_size, alpha = (figure.values[name] for name in ("map_size", "alpha"))

@@ -2,14 +2,16 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import evaluate_then_interpolate, material_textures, plain_multitexturing
 from fixedpipe.pipeline.commands import DrawPixels
@@ -99,8 +101,50 @@ def scene(
 _PLAIN = {**DARK, "specular": (1.0, 1.0, 1.0), "k_s": (1.0, 1.0), "joint": 1.0}
 
 
+def _in_float(values, seen, signed):
+    """A panel's pixels by Eq. 1 in float64, then with k_s, m_xx and m_yy flat, one at a time, then those of
+    the other kind. ``signed``: whether 2 m_xy h_x h_y is there. Float64 [n, 3] each.
+    """
+    material = parquet(*(values[name] for name in ("tiles", "angles", "alpha_x", "alpha_y", "k_s", "joint")))
+    (t, b), alphas = (material.tangents, material.binormals), (values["alpha_x"], values["alpha_y"])
+    fields = [material.k_s]
+    for i, j in ((0, 0), (1, 1), (0, 1)):
+        fields.append(
+            sum(v[..., i] * v[..., j] / (alpha * alpha) for v, alpha in zip((t, b), alphas, strict=True))
+        )
+    places = values["extent"] * np.stack([2.0 * seen.s - 1.0, 2.0 * seen.t - 1.0, 0.0 * seen.s], axis=-1)
+    toward = seen_places.unit(np.array(values["light"]) - places)
+    h = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
+    diffuse, ambient, specular = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
+
+    def picture(fields, signed):
+        k_s, xx, yy, xy = (seen_places.looked_up(field, seen) for field in fields)
+        lost = xx * h[:, 0] ** 2 + yy * h[:, 1] ** 2 + signed * 2.0 * xy * h[:, 0] * h[:, 1]
+        light = toward[:, 2:] * diffuse + ambient + np.maximum(1.0 - lost, 0.0)[:, None] * specular
+        return np.clip(k_s[:, None] * light, 0.0, 1.0)
+
+    out = [picture(fields, signed)]
+    for k in range(3):
+        flat = [np.full(f.shape, f.mean()) if n == k else f for n, f in enumerate(fields)]
+        out.append(picture(flat, signed))
+    return (*out, picture(fields, not signed))
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed panels beside those with a flat texture, and beside the other kind."""
+    seen = seen_places.square(figure.size, figure.values["extent"])
+    found = [_in_float(figure.values, seen, signed) for signed in (True, False, True)]
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        shares = [least_share(panel_of(window, k)[seen.where], *of) for k, of in enumerate(found)]
+        yield DATA.check(
+            "of what a texture and the signed products change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """The light that is lost without the signed products, and that their halves bring it back."""
+    yield from _displayed_checks(figure, renderer)
     size = 128
     x, y = pixel_grid(size, figure.values["extent"])
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.98
