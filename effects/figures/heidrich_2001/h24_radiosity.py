@@ -173,10 +173,40 @@ def _foot_checks(figure, renderer):
         )
 
 
+def _wall_checks(figure, renderer):
+    """What direct light on the left, and all light on the right, changes on each rectangle that is seen."""
+    size, values = figure.size, figure.values
+    room, *lights = solved(fitting_elements(size), values["left"], values["right"])
+    shown = [wall for wall in room if wall.name != small_room.FRONT]
+    view = perspective_view(row_of_panels(1, size)[0], EYE, CENTER, FIELD_OF_VIEW)
+    number, s, t = light_maps.nearest(shown, *primary_rays(view))
+    square = number.reshape(size, size)
+    inner = np.all([square == np.roll(square, step, axis) for step in (-1, 1) for axis in (0, 1)], axis=0)
+    found = []
+    for panel, light in zip((0, 2), lights, strict=True):
+        for k, wall in enumerate(shown):
+            at = inner.ravel() & (number == k)
+            texels = np.minimum(values["exposure"] * light.radiosity[wall.name], 1.0)
+            whole, turned = (light_maps.look_up(one, s[at], t[at]) for one in (texels, texels[::-1]))
+            others = np.broadcast_to(texels.mean(axis=(0, 1)), whole.shape), turned
+            # Bytes tell nothing of a change that is nowhere seen.
+            others = [one for one in others if at.any() and np.abs(one - whole).max() > 8.0 / 255.0]
+            if others:
+                found.append((panel, at, whole, *others))
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        panels = {panel: panel_of(window, panel).reshape(-1, 3) for panel in (0, 2)}
+        shares = [least_share(panels[panel][at], *of) for panel, at, *of in found]
+        yield DATA.check(
+            "walls: of what their light maps change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """Energy, light gathered by rays, colours that walls send, and light maps on the machine."""
     yield from _displayed(figure, renderer)
     yield from _foot_checks(figure, renderer)
+    yield from _wall_checks(figure, renderer)
     size, values = 128, figure.values
     elements = fitting_elements(size)
     room, direct, solution = solved(elements, values["left"], values["right"])

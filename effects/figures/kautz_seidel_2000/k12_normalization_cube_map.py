@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
@@ -11,7 +12,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
 
 DATA = figure_data(__file__, "K12")
@@ -52,10 +53,64 @@ def scene(profile, size, *, cube_map_size, light, diffuse, ambient, specular, ba
     )
 
 
+def _in_float(values, seen, normalized):
+    """A panel's pixels in float64, then without each of the material's fields: [1 + fields, n, 3].
+
+    ``normalized``: both vectors have length one at each pixel. Otherwise they are the corners', which are as
+    high as each other under a light above the middle, and go straight between them.
+    """
+    xy = np.stack([2.0 * seen.s - 1.0, 2.0 * seen.t - 1.0], axis=-1)
+    near, viewer = np.array(values["light"]), np.array([0.0, 0.0, 1.0])
+
+    def straight(corner):
+        return np.concatenate([xy * corner[:2], np.full((len(xy), 1), corner[2])], axis=-1)
+
+    at_corner = seen_places.unit(near - np.array([1.0, 1.0, 0.0]))
+    lamp, half = straight(at_corner), straight(seen_places.unit(at_corner + viewer))
+    if normalized:
+        lamp, half = seen_places.unit(near - straight(np.array([1.0, 1.0, 0.0]))), seen_places.unit(half)
+
+    def picture(fields):
+        n, t, b = (seen_places.looked_up(fields[name], seen) for name in ("normals", "tangents", "binormals"))
+        cosine = (n * lamp).sum(axis=-1)
+        squares = (t[:, :3] * half).sum(axis=-1) ** 2 + (b * half).sum(axis=-1) ** 2
+        shine = t[:, 3] * np.maximum(1.0 - squares, 0.0) * np.clip(4.0 * cosine, 0.0, 1.0)
+        parts = np.maximum(cosine, 0.0), shine
+        diffuse, specular = (
+            part[:, None] * np.array(values[k])
+            for part, k in zip(parts, ("diffuse", "specular"), strict=True)
+        )
+        return np.clip(diffuse + np.array(values["ambient"]) + specular, 0.0, 1.0)
+
+    pebbles = ("cells", "depth", "alpha_x", "alpha_y", "height_field", "height_scale")
+    fields = material_reference.fields(_pebbles(*(values[name] for name in pebbles)))
+    flat = {name: np.broadcast_to(field.mean(axis=(0, 1)), field.shape) for name, field in fields.items()}
+    return np.stack([picture(fields), *(picture({**fields, name: flat[name]}) for name in fields)])
+
+
+def _displayed_checks(figure, renderer):
+    """Both displayed squares beside those without a field, and beside the other one."""
+    seen = seen_places.square(figure.size, 1.0 / 1.06)
+    found = [_in_float(figure.values, seen, normalized) for normalized in (False, True)]
+    found = [(*one, other[0]) for one, other in (found, found[::-1])]
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        panels = [panel_of(window, k)[seen.where] for k in (0, 1)]
+        yield DATA.check(
+            "of what pebbles and the vectors' length change, the least share that is seen",
+            min(
+                material_reference.least_share(*pair)
+                for pair in ((panel, *of) for panel, of in zip(panels, found, strict=True))
+            ),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """A flat square under a close light: the cube map gives (n.l)+, the vertex colours far less in the
     middle.
     """
+    yield from _displayed_checks(figure, renderer)
     size = 256
     changes = {
         **DARK,

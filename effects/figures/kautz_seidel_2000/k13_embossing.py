@@ -1,8 +1,12 @@
 """K13: embossing on boards with one texture unit, with two, and with register combiners."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import emboss
 from fixedpipe.effects.data_files import figure_data
@@ -11,7 +15,14 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    Panel,
+    orthographic_view,
+    panel_of,
+    row_of_panels,
+)
 from fixedpipe.effects.reflectance import brdfs
 
 DATA = figure_data(__file__, "K13")
@@ -92,10 +103,65 @@ def _second_reading(stored, shift_s, shift_t):
     return out
 
 
+def _in_float(board, values, seen, field, light):
+    """The torus's pixels under a light in float64, with a height map ``field``: [n, 3]."""
+    gain, added = _BOARDS[board][:2]
+    normals, toward = seen.frames[:, 2], seen_places.unit(np.array(light))
+    half = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
+    relief = max(float(field.max()), 1e-12)
+
+    def rises(vector):
+        """How much higher the reading away from a vector is, times the board's gain: float64 [n, 1]."""
+        by = relief / gain * (seen.frames[:, :2] @ vector)
+        moved = replace(seen, s=seen.s - by[:, 0], t=seen.t - by[:, 1])
+        return (
+            gain
+            / relief
+            * (seen_places.looked_up(field, moved) - seen_places.looked_up(field, seen))[:, None]
+        )
+
+    color, ambient, strength = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
+    cosine, shine = ((normals @ vector)[:, None] for vector in (toward, half))
+    if added:
+        lit = np.maximum(cosine + rises(toward), 0.0)
+        x = (0.5 + 0.5 * strength**0.25) * (shine + rises(half))
+        bright = np.maximum(2.0 * x - 1.0, 0.0) ** 4 * np.clip(4.0 * lit, 0.0, 1.0)
+        return np.clip(lit * color + ambient + bright, 0.0, 1.0)
+    bright = strength * np.maximum(shine, 0.0) ** 16 * (cosine > 0.0)
+    level = 1.0 if gain == emboss.ONE_UNIT_GAIN else 0.5
+    lit = (np.maximum(cosine, 0.0) * color + ambient) * (1.0 + rises(toward))
+    return np.clip(lit + bright * (level + rises(half) * level), 0.0, 1.0)
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed tori beside those without pebbles, with pebbles upside down, and under another light."""
+    size, values, board = figure.size, figure.values, renderer.method.name
+    torus = surfaces.torus(48, 24).with_repeats(5, 2).rotated(rotation("x", values["tilt"]))
+    seen = seen_places.surface(torus, orthographic_view(Panel(0, 0, size, size), half_height=1.1))
+    facing = seen.frames[:, 2, 2] > 0.3
+    where = seen.where.copy()
+    where[where] = facing
+    seen = seen_places.Seen(where, seen.s[facing], seen.t[facing], seen.frames[facing])
+    field = heights(values["cells"], values["depth"])
+    fields = field, 0.0 * field, field[::-1]
+    right, flat, turned = (
+        [_in_float(board, values, seen, one, light) for light in values["lights"]] for one in fields
+    )
+    for on in Answer:
+        window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
+        for k, whole in enumerate(right):
+            others = flat[k], turned[k], *(right[:k] + right[k + 1 :])
+            shares.append(least_share(panel_of(window, k)[where], whole, *others))
+        yield DATA.check(
+            "of what pebbles and the light change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """The term that is added to the smooth surface's light, against the height's derivative along the
     light.
     """
+    yield from _displayed_checks(figure, renderer)
     gain, added, like, unlike, rounding = _BOARDS[renderer.method.name]
 
     def panels(on, **changes):
