@@ -6,8 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
@@ -16,7 +18,7 @@ from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import REPEATED, show
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
@@ -211,8 +213,58 @@ def _split(error, filled):
     return root_mean_square(mean[count >= 128]), root_mean_square(rest[filled])
 
 
+def _near(p, size):
+    """Where the plane's texels are wider than pixels: bool [size, size]. Then its pixels there by Eq. 1 in
+    float64, and with one of the material's fields flat each: [1 + fields, n, 3].
+    """
+    view = _camera(row_of_panels(1, size)[0], p["pitch"], p["field_of_view"], p["length"])
+    origins, along = primary_rays(view)
+    down = np.minimum(along[:, 1], -1e-12)
+    places = origins - (origins[:, 1] / down)[:, None] * along
+    away = places - np.array(view.eye)
+    square = (away * away).sum(axis=-1)
+    # A pixel's length on the plane, along the view.
+    pixel = 2.0 * np.tan(np.radians(0.5 * p["field_of_view"])) / size * square
+    where = (along[:, 1] < 0.0) & (pixel < 0.8 * p["repeat"] / p["map_size"])
+    s, t = (places[where, 0] + p["width"]) / p["repeat"], (0.5 * p["length"] - places[where, 2]) / p["repeat"]
+    frame = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    seen = seen_places.Seen(where, s, t, np.broadcast_to(frame, (len(s), 3, 3)))
+    toward = seen_places.unit(np.array(p["light"]))
+    half = seen_places.unit(toward - seen_places.unit(away[where])) @ frame.T
+    names = ("map_size", "bumps", "slope", "alpha_x", "alpha_y", "spread", "stroke_depth", "k_s")
+    fields = material_reference.fields(_metal(**_gold(*(p[name] for name in names))))
+
+    def picture(fields):
+        n, t, b = (seen_places.looked_up(fields[name], seen) for name in ("normals", "tangents", "binormals"))
+        lost = (t[:, :3] * half).sum(axis=-1) ** 2 + (b * half).sum(axis=-1) ** 2
+        parts = (
+            (np.maximum(n @ (frame @ toward), 0.0), "diffuse"),
+            (t[:, 3] * np.maximum(1.0 - lost, 0.0), "specular"),
+        )
+        light = sum(part[:, None] * np.array(p[name]) for part, name in parts)
+        return np.clip(light + np.array(p["ambient"]), 0.0, 1.0)
+
+    flat = {name: np.broadcast_to(field.mean(axis=(0, 1)), field.shape) for name, field in fields.items()}
+    others = (picture({**fields, name: flat[name]}) for name in fields)
+    return where.reshape(size, size), np.stack([picture(fields), *others])
+
+
+def _displayed_checks(figure, renderer):
+    """The near plane of every displayed panel beside planes without one of the material's fields."""
+    where, found = _near(figure.values, figure.size)
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        panels = [panel_of(window, k)[where] for k in range(figure.columns)]
+        yield DATA.check(
+            "near: of what a field of the material changes, the least share that is seen",
+            min(material_reference.least_share(panel, *found) for panel in panels),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """The highlight's errors against the reference, over the pixels that the plane fills."""
+    yield from _displayed_checks(figure, renderer)
     size, images = 256, {}
     p = figure.values
     names = ("map_size", "bumps", "slope", "alpha_x", "alpha_y", "spread", "stroke_depth", "k_s")
