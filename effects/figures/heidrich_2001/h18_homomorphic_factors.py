@@ -104,6 +104,27 @@ def highlight(panel):
     return np.std(columns), np.std(rows)
 
 
+def contrast(panel, bright, covered):
+    """A panel's mean light on ``bright`` pixels over that on others that are ``covered``."""
+    light = panel.max(axis=-1)
+    return float(light[bright].mean() / max(light[covered & ~bright].mean(), 1.0e-9))
+
+
+def _factor_checks(panels, by_vertices, covered, on):
+    """That the first panel has the BRDF's highlight, and the second has not."""
+    light = np.clip(by_vertices, 0.0, 1.0).max(axis=-1)
+    bright = covered & (light > 0.5 * light.max())
+    half = float(np.sqrt(contrast(by_vertices, bright, covered)))
+    for name, panel, bound in zip(PANELS, panels, ("at_least", "at_most"), strict=False):
+        yield DATA.check(
+            "{name}: light where the BRDF's highlight is, over that around it",
+            contrast(panel, bright, covered),
+            on,
+            name=name,
+            **{bound: half},
+        )
+
+
 def checks(figure, renderer):
     """The product against the BRDF, its passes against each other, and the highlight's shape."""
     size, values = figure.size // 4, figure.values
@@ -122,6 +143,7 @@ def checks(figure, renderer):
             float(((first.max(axis=-1) == 0.0) | (second.max(axis=-1) == 0.0))[covered].mean()),
             on,
         )
+        yield from _factor_checks((first, second), by_vertices, covered, on)
         across, along = highlight(product)
         true_across, true_along = highlight(by_vertices)
         yield DATA.check(
