@@ -6,8 +6,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.bump_mapping import blinn, two_pass_bumps, vertex_program_vectors
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
@@ -143,8 +146,68 @@ def _panels(figure, renderer, on, size, **changes):
     return [panel_of(window, k) for k in range(4)]
 
 
+def _vectors_by_rays(ring, size, lamp):
+    """The Seen of a ring's pixels, and l and h there by those at the vertices: float64 [n, 3] each."""
+    view = _view(row_of_panels(1, size)[0])
+    seen = seen_places.surface(ring, view)
+    hits = RayCaster(ring.positions[ring.triangles]).nearest(*primary_rays(view), 1.0)
+    at = seen.where.ravel()
+    corners, weights = ring.triangles[hits.triangle[at]], hits.barycentrics[at][..., None]
+    toward = seen_places.unit(np.array(lamp) - ring.positions)
+    half = seen_places.unit(toward + seen_places.unit(np.array(_EYE) - ring.positions))
+    frames = np.stack([ring.tangents, ring.binormals, ring.normals], axis=1)
+    both = ((frames @ v[..., None])[..., 0] for v in (toward, half))
+    return seen, *((v[corners] * weights).sum(axis=1) for v in both)
+
+
+def _in_float64(p, size, number):
+    """A panel's pixels in float64, then on a level skin, then of one colour, without highlights, and with
+    vectors as long as another panel's: float64 [n, 3] each. Those come last that the panel has.
+    """
+    fine = 2 if number == 3 else 1
+    seen, toward, half = _vectors_by_rays(_ring(fine * p["around"], fine * p["across"]), size, p["light"])
+    seen = seen_places.Seen(seen.where, seen.s * _REPEATS[0], seen.t * _REPEATS[1], seen.frames)
+    heights, albedo = _map(_edge(size), p["scales"], p["depth"], p["height_field"], p["height_scale"])
+    normals, color = (seen_places.looked_up(field, seen) for field in (blinn.normal_map(heights), albedo))
+    level, one_color = np.array([0.0, 0.0, 1.0]), color.mean(axis=0)
+
+    def light(normals, color, shine, length):
+        toward_lamp, halfway = (seen_places.unit(v) if length else v for v in (toward, half))
+        shadow = np.clip(8.0 * toward_lamp[:, 2:], 0.0, 1.0)
+        lit, bright = (np.maximum((normals * v).sum(axis=-1), 0.0)[:, None] for v in (toward_lamp, halfway))
+        out = color * (lit * shadow * np.array(p["color"]) + np.array(p["ambient"]))
+        return np.clip(out + shine * p["specular"] * shadow * bright ** p["exponent"], 0.0, 1.0)
+
+    if number == 0:
+        return seen.where, light(normals, 1.0, 0.0, True), light(level, 1.0, 0.0, True)
+    length = number != 1
+    return (
+        seen.where,
+        light(normals, color, 1.0, length),
+        light(level, color, 1.0, length),
+        light(normals, one_color, 1.0, length),
+        light(normals, color, 0.0, length),
+        *((light(normals, color, 1.0, not length),) if number < 3 else ()),
+    )
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed rings beside rings without scales, colours or highlights, or with the other vectors."""
+    size, values = figure.size, figure.values_of(renderer.method)
+    found = [_in_float64(values, size, number) for number in range(4)]
+    for on in Answer:
+        panels = _panels(figure, renderer, on, size)
+        shares = [least_share(panel[where], *of) for panel, (where, *of) in zip(panels, found, strict=True)]
+        yield DATA.check(
+            "of what skin, highlights and the vectors' length change, the least share that is seen",
+            min(shares),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """The light against Blinn's; what colours of vertices lose, and where; the program's vectors."""
+    yield from _displayed_checks(figure, renderer)
     size, fine, black = 256, {"around": 144, "across": 72}, {"background": (0.0, 0.0, 0.0)}
     highlight = {"color": (0.0, 0.0, 0.0), "ambient": (0.0, 0.0, 0.0), **black}
     for on in Answer:
