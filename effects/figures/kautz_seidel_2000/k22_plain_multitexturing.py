@@ -102,36 +102,43 @@ _PLAIN = {**DARK, "specular": (1.0, 1.0, 1.0), "k_s": (1.0, 1.0), "joint": 1.0}
 
 
 def _in_float(values, seen, signed):
-    """A panel's pixels by Eq. 1 in float64, then with k_s, m_xx and m_yy flat, one at a time, then those of
-    the other kind. ``signed``: whether 2 m_xy h_x h_y is there. Float64 [n, 3] each.
+    """A panel's pixels by Eq. 1 in float64, then those of wrong panels: float64 [n, 3] each.
+
+    These have k_s, m_xx or m_yy flat, k_s upside down, or the signed products of the other kind of panel.
+    Where there are any, ``signed``, each of four products is missing, too: m_xy and h_x h_y have two signs.
     """
     material = parquet(*(values[name] for name in ("tiles", "angles", "alpha_x", "alpha_y", "k_s", "joint")))
-    (t, b), alphas = (material.tangents, material.binormals), (values["alpha_x"], values["alpha_y"])
+    pairs = (material.tangents, values["alpha_x"]), (material.binormals, values["alpha_y"])
     fields = [material.k_s]
     for i, j in ((0, 0), (1, 1), (0, 1)):
-        fields.append(
-            sum(v[..., i] * v[..., j] / (alpha * alpha) for v, alpha in zip((t, b), alphas, strict=True))
-        )
+        fields.append(sum(v[..., i] * v[..., j] / (alpha * alpha) for v, alpha in pairs))
+    k_s, *m = (seen_places.looked_up(field, seen) for field in fields)
     places = values["extent"] * np.stack([2.0 * seen.s - 1.0, 2.0 * seen.t - 1.0, 0.0 * seen.s], axis=-1)
     toward = seen_places.unit(np.array(values["light"]) - places)
     h = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
     diffuse, ambient, specular = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
+    products, cross = h[:, 0] * h[:, 1], 2.0 * m[2] * h[:, 0] * h[:, 1]
 
-    def picture(fields, signed):
-        k_s, xx, yy, xy = (seen_places.looked_up(field, seen) for field in fields)
-        lost = xx * h[:, 0] ** 2 + yy * h[:, 1] ** 2 + signed * 2.0 * xy * h[:, 0] * h[:, 1]
-        light = toward[:, 2:] * diffuse + ambient + np.maximum(1.0 - lost, 0.0)[:, None] * specular
+    def picture(k_s, xx, yy, cross):
+        rest = np.maximum(1.0 - xx * h[:, 0] ** 2 - yy * h[:, 1] ** 2 - cross, 0.0)
+        light = toward[:, 2:] * diffuse + ambient + rest[:, None] * specular
         return np.clip(k_s[:, None] * light, 0.0, 1.0)
 
-    out = [picture(fields, signed)]
-    for k in range(3):
-        flat = [np.full(f.shape, f.mean()) if n == k else f for n, f in enumerate(fields)]
-        out.append(picture(flat, signed))
-    return (*out, picture(fields, not signed))
+    given = k_s, m[0], m[1], signed * cross
+    out = [picture(*given), picture(*given[:3], cross - given[3])]
+    out += (picture(*given[:k], 0.0 * k_s + fields[k].mean(), *given[k + 1 :]) for k in range(3))
+    out.append(picture(seen_places.looked_up(fields[0][::-1], seen), *given[1:]))
+    if signed:
+        for one in (m[2] > 0.0, m[2] < 0.0):
+            out += (
+                picture(*given[:3], np.where(one & other, 0.0, cross))
+                for other in (products > 0.0, products < 0.0)
+            )
+    return out
 
 
 def _displayed_checks(figure, renderer):
-    """The displayed panels beside those with a flat texture, and beside the other kind."""
+    """The displayed panels beside those with a flat texture, and with other signed products."""
     seen = seen_places.square(figure.size, figure.values["extent"])
     found = [_in_float(figure.values, seen, signed) for signed in (True, False, True)]
     for on in Answer:
