@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
 from fixedpipe.effects.figures import own_maps
@@ -71,12 +72,63 @@ def _matt_checks(figure, renderer, size, surface, view, sun):
         )
 
 
+# How many pixels of a panel are compared with sums over all texels.
+_SOME = 96
+
+
+def _sums(toward, texels, light, exponent):
+    """Light [texels, 3] times its solid angle, by a lobe around directions [n, 3], over the lobe: [n, 3]."""
+    lobe = np.maximum(toward @ texels.T, 0.0) ** exponent
+    return lobe @ light[:, :3] / (lobe @ light[:, 3:])
+
+
+def _displayed_checks(figure, renderer):
+    """Some pixels of what mirrors and is lit, and the room behind, by sums over the probe's texels."""
+    size, values = figure.size, figure.values
+    view = reflecting.camera(row_of_panels(4, size)[0], values["eye"])
+    surface = reflecting.ball_in_ring(size)
+    toward, known = reflecting.reflections_by_rays(surface, view)
+    normals, (back, behind) = (
+        reflecting.normals_by_rays(surface, view)[0],
+        reflecting.backdrop_by_rays(surface, view),
+    )
+    probe = _source(size, 64)
+    texels = cube_maps.directions(64).reshape(-1, 3)
+    angles = np.broadcast_to(cube_maps.solid_angles(64), probe.shape[:3]).reshape(-1, 1)
+    bytes_, floats = (
+        np.concatenate([colors.reshape(-1, 3) * angles, angles], axis=-1)
+        for colors in (np.minimum(probe, 1.0), probe)
+    )
+    (places,) = np.nonzero(known.ravel())
+    some = places[np.linspace(0, len(places) - 1, _SOME).round().astype(int)]
+    true = [
+        np.minimum(values["brightness"] * _sums(vectors.reshape(-1, 3)[some], texels, light, exponent), 1.0)
+        for vectors, exponent in ((toward, values["exponent"]), (normals, 1.0))
+        for light in (bytes_, floats)
+    ]
+    (places,) = np.nonzero(behind.ravel())
+    places = places[np.linspace(0, len(places) - 1, 16 * _SOME).round().astype(int)]
+    scale = prefilter.exposure(environments.faces(256, environments.sunlit_room))
+    room = np.minimum(scale * environments.sunlit_room(back.reshape(-1, 3)[places]), 1.0)
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        panels, shares = [panel_of(window, k).reshape(-1, 3) for k in range(4)], []
+        for k, (panel, whole) in enumerate(zip(panels, true, strict=True)):
+            flat, other = np.broadcast_to(whole.mean(axis=0), whole.shape), true[k ^ 1]
+            shares.append(least_share(panel[some], whole, flat, other))
+            shares.append(least_share(panel[places], room, np.broadcast_to(room.mean(axis=0), room.shape)))
+        yield DATA.check(
+            "of what maps, floats and the room behind change, the least share that is seen", min(shares), on
+        )
+
+
 # Not so bright that the lobe's peak is clamped.
 _DIM = 1.0 / 32.0
 
 
 def checks(figure, renderer):
     """The sun's image by sums over all texels, and what clamping the probe takes away."""
+    yield from _displayed_checks(figure, renderer)
     size, edge = 128, 128
     view = reflecting.camera(row_of_panels(4, size)[0], figure.values["eye"])
     surface = reflecting.ball_in_ring(size)

@@ -103,38 +103,43 @@ def _second_reading(stored, shift_s, shift_t):
     return out
 
 
-def _in_float(board, values, seen, field, light):
-    """The torus's pixels under a light in float64, with a height map ``field``: [n, 3]."""
+def _in_float(board, values, seen, field, light, shines=(1.0, 1.0)):
+    """The torus's pixels under a light in float64, with a height map ``field``: [n, 3].
+
+    ``shines``: how much of the highlight's two readings there is, the surface's own and the moved one. Where
+    one draw has both, it is the first number.
+    """
     gain, added = _BOARDS[board][:2]
     normals, toward = seen.frames[:, 2], seen_places.unit(np.array(light))
     half = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
     relief = max(float(field.max()), 1e-12)
 
-    def rises(vector):
-        """How much higher the reading away from a vector is, times the board's gain: float64 [n, 1]."""
+    own = seen_places.looked_up(field, seen)[:, None] / relief
+
+    def away(vector):
+        """The reading away from a vector: float64 [n, 1]."""
         by = relief / gain * (seen.frames[:, :2] @ vector)
         moved = replace(seen, s=seen.s - by[:, 0], t=seen.t - by[:, 1])
-        return (
-            gain
-            / relief
-            * (seen_places.looked_up(field, moved) - seen_places.looked_up(field, seen))[:, None]
-        )
+        return seen_places.looked_up(field, moved)[:, None] / relief
 
     color, ambient, strength = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
     cosine, shine = ((normals @ vector)[:, None] for vector in (toward, half))
     if added:
-        lit = np.maximum(cosine + rises(toward), 0.0)
-        x = (0.5 + 0.5 * strength**0.25) * (shine + rises(half))
+        lit = np.maximum(cosine + gain * (away(toward) - own), 0.0)
+        x = (0.5 + 0.5 * strength**0.25) * (shine + gain * (away(half) - own))
         bright = np.maximum(2.0 * x - 1.0, 0.0) ** 4 * np.clip(4.0 * lit, 0.0, 1.0)
-        return np.clip(lit * color + ambient + bright, 0.0, 1.0)
+        return np.clip(lit * color + ambient + shines[0] * bright, 0.0, 1.0)
     bright = strength * np.maximum(shine, 0.0) ** 16 * (cosine > 0.0)
-    level = 1.0 if gain == emboss.ONE_UNIT_GAIN else 0.5
-    lit = (np.maximum(cosine, 0.0) * color + ambient) * (1.0 + rises(toward))
-    return np.clip(lit + bright * (level + rises(half) * level), 0.0, 1.0)
+    lit = (np.maximum(cosine, 0.0) * color + ambient) * (1.0 + gain * (away(toward) - own))
+    if gain == emboss.ONE_UNIT_GAIN:
+        bright = bright * (shines[0] * (1.0 - own) + shines[1] * away(half))
+    else:
+        bright = bright * shines[0] * (0.5 + away(half) - own)
+    return np.clip(lit + bright, 0.0, 1.0)
 
 
 def _displayed_checks(figure, renderer):
-    """The displayed tori beside those without pebbles, with pebbles upside down, and under another light."""
+    """The displayed tori beside those of other pebbles, other lights and other highlights."""
     size, values, board = figure.size, figure.values, renderer.method.name
     torus = surfaces.torus(48, 24).with_repeats(5, 2).rotated(rotation("x", values["tilt"]))
     seen = seen_places.surface(torus, orthographic_view(Panel(0, 0, size, size), half_height=1.1))
@@ -147,10 +152,16 @@ def _displayed_checks(figure, renderer):
     right, flat, turned = (
         [_in_float(board, values, seen, one, light) for light in values["lights"]] for one in fields
     )
+    dull = [
+        [_in_float(board, values, seen, field, light, shines) for shines in ((0.0, 1.0), (1.0, 0.0))]
+        for light in values["lights"]
+    ]
     for on in Answer:
         window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
         for k, whole in enumerate(right):
-            others = flat[k], turned[k], *(right[:k] + right[k + 1 :])
+            others = flat[k], turned[k], *right[:k], *right[k + 1 :], *dull[k]
+            # Where one draw has both readings, the second change is none.
+            others = [one for one in others if np.abs(one - whole).max() > 0.0]
             shares.append(least_share(panel_of(window, k)[where], whole, *others))
         yield DATA.check(
             "of what pebbles and the light change, the least share that is seen", min(shares), on
