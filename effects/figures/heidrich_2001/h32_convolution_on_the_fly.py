@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import (
@@ -75,8 +76,41 @@ def scene(profile, size, *, eye, environment, texels, exponent, photograph):
     return tuple(out)
 
 
+# How many pixels of a panel are compared with sums over all texels.
+_SOME = 96
+
+
+def _displayed_checks(figure, renderer):
+    """Some pixels of what mirrors, and of the room behind, by the room itself and sums over its texels."""
+    size, values = figure.size, figure.values
+    view = reflecting.camera(row_of_panels(4, size)[0], values["eye"])
+    surface = reflecting.ball_in_ring(size)
+    toward, known = reflecting.reflections_by_rays(surface, view)
+    back, behind = reflecting.backdrop_by_rays(surface, view)
+    some, places = reflecting.some_of(known, _SOME), reflecting.some_of(behind, 16 * _SOME)
+    texels = cube_maps.directions(64).reshape(-1, 3)
+    angles = np.broadcast_to(cube_maps.solid_angles(64), (6, 64, 64)).reshape(-1, 1)
+    light = np.concatenate([environments.room(texels) * angles, angles], axis=-1)
+    toward = toward.reshape(-1, 3)[some]
+    sharp, blurred = environments.room(toward), reflecting.lobes(toward, texels, light, values["exponent"])
+    room = environments.room(back.reshape(-1, 3)[places])
+    flat, flat_room = (np.broadcast_to(colors.mean(axis=0), colors.shape) for colors in (sharp, room))
+    for on in Answer:
+        window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
+        for k in range(4):
+            panel = panel_of(window, k).reshape(-1, 3)
+            # Maps of 64 texels blur the room themselves, so nothing tells the mirror from the lobe.
+            of = (blurred, flat, sharp) if k else (sharp, flat)
+            shares.append(least_share(panel[some], *of))
+            shares.append(least_share(panel[places], room, flat_room))
+        yield DATA.check(
+            "of what maps, filters and the room behind change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """The four panels against each other."""
+    yield from _displayed_checks(figure, renderer)
     size = 128
     view = reflecting.camera(row_of_panels(4, size)[0], figure.values["eye"])
     _, known = reflecting.reflections_by_rays(reflecting.ball_in_ring(size), view)

@@ -76,12 +76,6 @@ def _matt_checks(figure, renderer, size, surface, view, sun):
 _SOME = 96
 
 
-def _sums(toward, texels, light, exponent):
-    """Light [texels, 3] times its solid angle, by a lobe around directions [n, 3], over the lobe: [n, 3]."""
-    lobe = np.maximum(toward @ texels.T, 0.0) ** exponent
-    return lobe @ light[:, :3] / (lobe @ light[:, 3:])
-
-
 def _displayed_checks(figure, renderer):
     """Some pixels of what mirrors and is lit, and the room behind, by sums over the probe's texels."""
     size, values = figure.size, figure.values
@@ -99,15 +93,15 @@ def _displayed_checks(figure, renderer):
         np.concatenate([colors.reshape(-1, 3) * angles, angles], axis=-1)
         for colors in (np.minimum(probe, 1.0), probe)
     )
-    (places,) = np.nonzero(known.ravel())
-    some = places[np.linspace(0, len(places) - 1, _SOME).round().astype(int)]
+    some, places = reflecting.some_of(known, _SOME), reflecting.some_of(behind, 16 * _SOME)
     true = [
-        np.minimum(values["brightness"] * _sums(vectors.reshape(-1, 3)[some], texels, light, exponent), 1.0)
+        np.minimum(
+            values["brightness"] * reflecting.lobes(vectors.reshape(-1, 3)[some], texels, light, exponent),
+            1.0,
+        )
         for vectors, exponent in ((toward, values["exponent"]), (normals, 1.0))
         for light in (bytes_, floats)
     ]
-    (places,) = np.nonzero(behind.ravel())
-    places = places[np.linspace(0, len(places) - 1, 16 * _SOME).round().astype(int)]
     scale = prefilter.exposure(environments.faces(256, environments.sunlit_room))
     room = np.minimum(scale * environments.sunlit_room(back.reshape(-1, 3)[places]), 1.0)
     for on in Answer:

@@ -101,3 +101,19 @@ def backdrop_by_rays(surface, view):
     for axis in (0, 1):
         near = np.any([np.roll(near, step, axis) for step in range(-2, 3)], axis=0)
     return normalize(along).reshape(size, size, 3), ~near
+
+
+def some_of(where, count):
+    """The numbers of ``count`` pixels, evenly spread, of those ``where`` says: int64 [count]."""
+    (places,) = np.nonzero(where.ravel())
+    return places[np.linspace(0, len(places) - 1, count).round().astype(int)]
+
+
+def lobes(toward, texels, light, exponent):
+    """What lobes around unit vectors [n, 3] see, by a sum over all texels: float64 [n, 3].
+
+    texels  unit vectors to them, [m, 3]
+    light   [m, 4]: their colours times their solid angles, and the solid angles
+    """
+    weights = np.maximum(toward @ texels.T, 0.0) ** exponent
+    return weights @ light[:, :3] / (weights @ light[:, 3:])
