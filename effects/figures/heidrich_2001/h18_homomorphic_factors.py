@@ -144,6 +144,8 @@ def checks(figure, renderer):
             on,
         )
         yield from _factor_checks((first, second), by_vertices, covered, on)
+        drawn = float(the.covered(second)[covered].mean())
+        yield DATA.check("pixels of the teapot that p(v) is drawn on, a share", drawn, on)
         across, along = highlight(product)
         true_across, true_along = highlight(by_vertices)
         yield DATA.check(
