@@ -146,8 +146,10 @@ def _panels(figure, renderer, on, size, **changes):
     return [panel_of(window, k) for k in range(4)]
 
 
-def _vectors_by_rays(ring, size, lamp):
+@lru_cache(4)
+def _vectors_by_rays(around, across, size, lamp):
     """The Seen of a ring's pixels, and l and h there by those at the vertices: float64 [n, 3] each."""
+    ring = _ring(around, across)
     view = _view(row_of_panels(1, size)[0])
     seen = seen_places.surface(ring, view)
     hits = RayCaster(ring.positions[ring.triangles]).nearest(*primary_rays(view), 1.0)
@@ -165,7 +167,7 @@ def _in_float64(p, size, number):
     vectors as long as another panel's: float64 [n, 3] each. Those come last that the panel has.
     """
     fine = 2 if number == 3 else 1
-    seen, toward, half = _vectors_by_rays(_ring(fine * p["around"], fine * p["across"]), size, p["light"])
+    seen, toward, half = _vectors_by_rays(fine * p["around"], fine * p["across"], size, tuple(p["light"]))
     seen = seen_places.Seen(seen.where, seen.s * _REPEATS[0], seen.t * _REPEATS[1], seen.frames)
     heights, albedo = _map(_edge(size), p["scales"], p["depth"], p["height_field"], p["height_scale"])
     normals, color = (seen_places.looked_up(field, seen) for field in (blinn.normal_map(heights), albedo))
