@@ -84,7 +84,8 @@ def _turning_checks(figure, renderer):
     turning &= ~agreement.silhouettes(truth)
     things = {thing.name: k for k, thing in enumerate(scene.objects)}
     for on in Answer:
-        masks, picture = (renderer.window(on, figure, size, shading=how) for how in reversed(SceneShading))
+        masks = renderer.window(on, figure, size, shading=SceneShading.MASK)
+        picture = renderer.window(on, figure, size)
         mask = panel_of(masks, 1)[..., 0] > 0.5 * (1.0 + values["share"])
         for k, extreme, bound in ((0, max, "at_most"), (1, min, "at_least")):
             steps = [
