@@ -53,8 +53,14 @@ def test_threads_and_batches_do_not_change_a_bit(found):
 
 
 # Machine code for another processor is compiled once for a state of raster/, and kept beside the native one.
-# That AVX2's gives the same bits is looked at every time; the code for any processor, and the instructions of
-# every kernel, where all is.
+# The code for any processor, and the instructions of every kernel, are looked at where all is.
+
+
+def often_beside_avx512(test):
+    """Every time on a processor with AVX-512. Where there is none, the native code has AVX2's instructions
+    already, and the test is slow.
+    """
+    return pytest.mark.slow(test) if LEVELS[0].lacking() else test
 
 
 @pytest.mark.slow
@@ -63,6 +69,7 @@ def test_a_plain_processor_gives_the_same_bits(figures, native):
     assert run("1:1024", *figures, **generic)[0] == native
 
 
+@often_beside_avx512
 @pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
 def test_avx2_gives_the_same_bits(figures, native):
     assert run("2:256", *figures, **AVX2)[0] == native
