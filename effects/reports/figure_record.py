@@ -141,7 +141,7 @@ def render(
     file : str, optional
         The user's file that holds the figure; None for the package's.
     with_references : bool
-        Compute the figure's references, and compare the machines with them.
+        Compute the figure's references, compare the machines with them, and measure FLIP.
     with_names : bool
         Keep the pictures under readable names as well.
 
@@ -304,7 +304,9 @@ class _Drawing:
             shown[view] = told or self._picture(image, codes, bits, (LOSSLESS, *files), shown.values())
             if self.with_names:
                 self.named[picture_name(self.name, machine, view)] = deep_picture(codes, bits)
-        as_bytes = {view: image for view, (image, _) in pictures.items()} if is_first else {}
+        # FLIP takes as long as a quarter of all first pictures: it comes with the references.
+        with_flip = is_first and self.with_references
+        as_bytes = {view: image for view, (image, _) in pictures.items()} if with_flip else {}
         for view, found in differences.items():
             shown[view] = {}
             if not found.identical:

@@ -21,7 +21,7 @@ from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES, Figure
 from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
 from fixedpipe.effects.refusal import Refusal
-from fixedpipe.effects.reports import figure_inputs, figure_pool
+from fixedpipe.effects.reports import figure_inputs, figure_pool, perceived
 from fixedpipe.pipeline.native import queue
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from tests.support.few_figures import Few
@@ -316,6 +316,7 @@ def test_a_first_round_that_was_made_is_not_made_again(two_figures, monkeypatch,
     CliRunner().invoke(main, [*map(str, ALL), str(tmp_path)])
     kept = [json.loads((tmp_path / f"{name}.json").read_bytes()) for name in ("F003-21", "F003-7")]
     assert [len(record["machines"]) for record in kept] == [1, 1]
+    assert not any("flip" in record["machines"][0]["difference"] for record in kept)  # it takes seconds
 
     def counted(order, *how):
         drawn.append((order.id, order.is_first))
@@ -324,6 +325,8 @@ def test_a_first_round_that_was_made_is_not_made_again(two_figures, monkeypatch,
     monkeypatch.setattr(figure_pool.Order, "draw", counted)
     run(*ALL, tmp_path)
     assert sorted(drawn) == [("F003-21", False), ("F003-7", False)]
+    whole = json.loads((tmp_path / "F003-21.json").read_bytes())["machines"][0]
+    assert ("flip" in whole["difference"]) == (perceived.flip_evaluator is not None)
     drawn.clear()
     run(*ALL, tmp_path)
     assert not drawn
