@@ -264,7 +264,7 @@ ROWS = (
         "The cone's axis is the four numbers of SET_LIGHT_SPOT_DIRECTION. Its dot product with (l, 1), "
         "where l is the unit vector to the light, is x, at most 1. The three numbers of "
         "SET_LIGHT_SPOT_FALLOFF are a, b and c. The light's strength S after attenuation becomes S'. It is "
-        "0 where x or x + a is below zero.",
+        "0 where x or x + a is below zero. An axis with a NaN or an infinity gives x = 1.",
         ("S' = (S (x + a)) (1 / (b x + c))",),
         ("N2.16", "N2.25", "N2.13"),
         ("lighting-multiply-add", "lighting-reciprocal"),
@@ -273,6 +273,7 @@ ROWS = (
             "Lighting_spotlight/FoFixed_-0.932112_-3.097628_3.165516",
             "Lighting_spotlight/FoFixed_0.000000_-0.494592_1.494592",
             "Lighting_spotlight/PTFixed_25.000000_0.000000",
+            "Lighting_spotlight/PTFixed_0.000000_0.000000",
             "Lighting_range/Spot",
         ),
     ),
@@ -325,8 +326,8 @@ ROWS = (
         "and the back's registers: material, scene ambient, specular coefficients, and each light's back "
         "colours. The sign of the triangle's area A, not the normal, decides which colour its three "
         "vertices take. Each negative w reverses this. A vertex program's front and back colours are "
-        "chosen in the same way. How the unit lights a vertex program's back faces is open "
-        "(Specular_back/ControlFlags_VS).",
+        "chosen in the same way. If lighting is enabled, both are lit, with normals that earlier vertices "
+        "left (Specular_back/ControlFlags_VS).",
         (
             "A = (x1 - x0) (y2 - y0) - (x2 - x0) (y1 - y0)",
             "A < 0: front, if counter-clockwise is the front; y goes down",

@@ -23,7 +23,11 @@ ROWS = (  # whether there is a secondary colour, which colour is shown
     (True, Register.SECONDARY_COLOR),
     (True, Register.PRIMARY_COLOR),
 )
-NEAR_DEPTH = 1.0  # the depth at which the quads stand, depth units
+# Six vertices are under way at a time, each at a place of its own. A vertex program leaves the fixed-function
+# stage's normals there, so the unit lights with those of the last six vertices that this stage transformed:
+# the last of the FF case before. Measured: each row of both ControlFlags_VS captures repeats after six
+# vertices, and has the two last quads' normals in their order.
+LAST_SIX = (2, 3, 0, 1, 2, 3)  # corners
 _ARRAYS = ("colors", "secondary_colors", "back_colors", "back_secondary_colors")
 
 
@@ -38,13 +42,6 @@ class Corners:
     back_secondary: tuple | None = None
 
 
-def explanation(name):
-    """Why pixels of a case are known to differ."""
-    if not name.startswith("ControlFlagsLightDisable") and name.endswith("VS"):
-        return "under a vertex program the chip lights with other vertices' inputs; which is not known"
-    return ""
-
-
 def _mesh(positions, corners, **arrays):
     given = {
         "normals": corners.normals,
@@ -55,7 +52,14 @@ def _mesh(positions, corners, **arrays):
     return Mesh(positions, PrimitiveType.QUADS, **{name: single(values) for name, values in given.items()})
 
 
-def _fixed_function(name, corners, lighting, secondary, places):
+def _left_normals(corners, place, column):
+    """The normals by which a quad of a row is lit under a vertex program: of the places from ``place`` on for
+    the row's first vertex.
+    """
+    return [corners.normals[LAST_SIX[(place + 4 * column + k) % 6]] for k in range(4)]
+
+
+def _fixed_function(name, corners, lighting, secondary, points):
     """Mesh and vertex state of a quad that the fixed-function stage draws."""
     if name.startswith("ControlFlagsLightDisable"):
         # With two sides and no lighting the chip's back faces are opaque black.
@@ -63,17 +67,15 @@ def _fixed_function(name, corners, lighting, secondary, places):
         unlit = {"lights": (), "model_ambient": lit_scenes.BLACK, "separate_specular_color": True}
         lighting = replace(lighting, back=back, **unlit) if lighting.two_side else None
         secondary = SecondaryColor.OPAQUE if lighting is not None else secondary
-    positions = np.array([lit_scenes.unproject(x, y, 1.0 - lit_scenes.EYE_DISTANCE) for x, y in places])
     vertex = replace(lit_scenes.view(), lighting=lighting, secondary_color=secondary)
-    return _mesh(positions, corners), vertex
+    return _mesh(points, corners), vertex
 
 
-def _program(name, corners, lighting, secondary, places):
+def _program(name, corners, lighting, secondary, points):
     """Mesh and vertex state of a quad that a vertex program draws.
 
     With lighting, the lighting unit replaces the program's colours.
     """
-    points = np.array([vertex_programs.unproject(x, y, NEAR_DEPTH) for x, y in places])
     window = vertex_programs.perspective(points)
     mesh = scenes.window_mesh(window, PrimitiveType.QUADS)
     vertex = replace(scenes.PROGRAM_RESULTS, two_side=lighting.two_side, secondary_color=secondary)
@@ -87,13 +89,17 @@ def _program(name, corners, lighting, secondary, places):
     return _mesh(mesh.positions, corners, **arrays), vertex
 
 
-def draws(name, corners, lighting, polygon=scenes.FRONT_FACES):
-    """The quads of the case ``name``; ``lighting`` as the case ControlFlags_FF has it; ``polygon``: facing
-    and culling.
+def draws(name, corners, lighting, unproject, first_places, polygon=scenes.FRONT_FACES):
+    """The quads of the case ``name``; ``lighting`` as the case ControlFlags_FF has it.
+
+    unproject     by stage, the world position [3] of a device pixel's x and y
+    first_places  of each row's first vertex under a vertex program
+    polygon       facing and culling
     """
     if name.startswith("ControlFlagsNoLight"):
         lighting = replace(lighting, lights=())
-    build = _program if name.endswith("VS") else _fixed_function
+    stage = name[-2:]
+    build = _program if stage == "VS" else _fixed_function
     commands = []
     for row, (enabled, shown) in enumerate(ROWS):
         top = QUAD_HEIGHT + SPACING + row * (QUAD_HEIGHT + SPACING)
@@ -101,9 +107,13 @@ def draws(name, corners, lighting, polygon=scenes.FRONT_FACES):
             left = QUAD_WIDTH + column * (QUAD_WIDTH + SPACING)
             secondary = SecondaryColor.FROM_VERTEX if alpha else SecondaryColor.OPAQUE
             secondary = secondary if enabled else SecondaryColor.DISABLED
-            places = [(x, y) for x, y, _ in scenes.rectangle(left, top, left + QUAD_WIDTH, top + QUAD_HEIGHT)]
+            places = scenes.rectangle(left, top, left + QUAD_WIDTH, top + QUAD_HEIGHT)
+            points = np.array([unproject[stage](x, y) for x, y, _ in places])
             controlled = replace(lighting, separate_specular_color=separate)
-            mesh, vertex = build(name, corners, controlled, secondary, places)
+            given = corners
+            if build is _program:
+                given = replace(corners, normals=_left_normals(corners, first_places[row], column))
+            mesh, vertex = build(name, given, controlled, secondary, points)
             state = replace(
                 scenes.DEFAULT, vertex=vertex, polygon=polygon, register_combiners=scenes.shows(shown)
             )

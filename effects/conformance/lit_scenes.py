@@ -139,15 +139,17 @@ def point(position, light_range, attenuation, **given):
 
 def spotlight(position, direction, light_range, cone, attenuation, falloff, **given):
     """Spotlight at a world position; ``cone``: degrees of the outer and the inner cone, ``falloff``: its
-    coefficients. None if the cones are equal, because the program's axis is then not finite.
+    coefficients.
 
-    Source: Spotlight::Commit: the axis is scaled so that the factor runs from 0 to 1 between the cones.
+    Source: Spotlight::Commit: the axis is scaled so that the factor runs from 0 to 1 between the cones. If
+    these are equal, it divides by 0, and the axis has NaN and infinities. The chip's factor is then that of
+    the axis (0, 0, 0, 1) (N2.16).
     """
     outer, inner = (single(np.cos(single(0.5 * single(angle * single(np.pi / 180))))) for angle in cone)
-    if outer == inner:
-        return None
-    scale = single(-1.0 / single(inner - outer))
-    axis = (*single(scale * np.array(unit(direction))).tolist(), float(single(outer * scale)))
+    axis = (0.0, 0.0, 0.0, 1.0)
+    if outer != inner:
+        scale = single(-1.0 / single(inner - outer))
+        axis = (*single(scale * np.array(unit(direction))).tolist(), float(single(outer * scale)))
     light = point(position, light_range, attenuation, **given)
     return replace(light, spot=Spot(axis, tuple(single(falloff).tolist())))
 
@@ -163,8 +165,8 @@ def lit_colors(vertex, points, normals, sides):
     """The colours by which the chip's lighting unit replaces those of a vertex program: (primary, secondary),
     each [n, 4], for every side in ``sides``, whose colours are the vertices' own.
 
-    Measured: ControlFlagsNoLight captures; where specular colour is not separate, each side keeps its own
-    secondary colour.
+    Measured: ControlFlagsNoLight and ControlFlags_VS captures. Each side keeps the alpha of its own secondary
+    colour; where specular colour is not separate, all of it.
     """
     own = [[single(array) for array in side] for side in sides]
     colors, secondary_colors = own[0]
@@ -173,7 +175,8 @@ def lit_colors(vertex, points, normals, sides):
     result = []
     for side, (_, secondary) in zip((lit[:8], lit[-8:]), own, strict=False):
         separate = vertex.lighting.separate_specular_color
-        given = side[4:].T if separate else np.column_stack([secondary[:, :3], side[7]])
+        rgb = side[4:7].T if separate else secondary[:, :3]
+        given = np.column_stack([rgb, secondary[:, 3]])
         result.append((side[:4].T, given))
     return result
 

@@ -213,13 +213,13 @@ def pack_lines(line, profile, draw):
 def pack_coverage(state, profile, sample, draw):
     """Write the entries of coverage by samples instead of pixels' middles.
 
-    Smooth primitives use the machine's samples. In a multisampled window all primitives except lines in steps
-    use ``sample``, (x, y) in 1/16 pixel with y up. None: the window is not multisampled.
+    Smooth primitives use the machine's samples. In a multisampled window all primitives except points and
+    lines in steps use ``sample``, (x, y) in 1/16 pixel with y up. None: the window is not multisampled.
     """
     places, kinds = (), 0
     if sample is not None:
         if sample != (0, 0):
-            places, kinds = (sample,), 1 << C.PRIMITIVE_TRIANGLE | 1 << C.PRIMITIVE_POINT
+            places, kinds = (sample,), 1 << C.PRIMITIVE_TRIANGLE
             kinds |= (draw[R.LINE_STEPS] == C.LINE_AS_RECTANGLE) << C.PRIMITIVE_LINE
     elif state.polygon.smooth or state.line.smooth:
         places = profile.primitives.smoothing_samples

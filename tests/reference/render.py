@@ -231,7 +231,7 @@ def places_of(kind, state, profile, place):
     """
     if place is not None:
         in_steps = kind == LINE and state.line.rasterization == LineRasterization.STEPS
-        return None if in_steps else (place,)
+        return None if in_steps or kind == POINT else (place,)
     smooth = {TRIANGLE: state.polygon.smooth, LINE: state.line.smooth, POINT: False}[kind]
     return profile.primitives.smoothing_samples if smooth else None
 

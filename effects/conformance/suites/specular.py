@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
+from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes, vertex_programs
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.effects.passes.combiners import ONE, SECONDARY, SPARE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Draw, Mesh
@@ -38,6 +38,14 @@ CORNERS = control_flags.Corners(
     normals=((-TILT, -TILT, TOWARDS), (TILT, -TILT, TOWARDS), (TILT, TILT, TOWARDS), (-TILT, TILT, TOWARDS)),
 )
 
+# The quads stand at the depth 1, in depth units: next to the near plane, whose w is 1.
+UNPROJECT = {
+    "FF": partial(lit_scenes.unproject, z=1.0 - lit_scenes.EYE_DISTANCE),
+    "VS": partial(vertex_programs.unproject, z=1.0),
+}
+# Measured: rows 1 to 3 of ControlFlags_VS. What moves the place between rows is not known; row 0 is black.
+FIRST_PLACES = (0, 3, 4, 4)
+
 
 def _lighting(coefficients, lights, ambient=0.031373, alpha=0.75, **given):
     return Lighting(
@@ -52,12 +60,11 @@ def _lighting(coefficients, lights, ambient=0.031373, alpha=0.75, **given):
 def _control_flags(name):
     light = (lit_scenes.directional(ALONG, **COLORS),)
     lighting = _lighting(lit_scenes.COEFFICIENTS["Pow16_0"], light)
-    draws = control_flags.draws(name, CORNERS, lighting)
+    draws = control_flags.draws(name, CORNERS, lighting, UNPROJECT, FIRST_PLACES)
     corners = lit_scenes.program_background() if name.endswith("VS") else None
     background = scenes.background(DARK, BLACK, 14, corners=corners)
     return Case(
         commands=(scenes.clear(CLEAR_FLAGS), *background, *draws),
-        explanation=control_flags.explanation(name),
     )
 
 

@@ -7,7 +7,7 @@ faces are culled, and all faces are turned to show their back.
 from dataclasses import replace
 from functools import partial
 
-from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
+from fixedpipe.effects.conformance import control_flags, host_matrices, lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.effects.passes.combiners import SECONDARY
 from fixedpipe.pipeline.commands import Draw
@@ -35,6 +35,17 @@ CORNERS = control_flags.Corners(
 )
 
 
+def _unproject(x, y):
+    """The world position at z = 1, by a perspective vertex program's matrices."""
+    _, inverse = host_matrices.programmed()
+    return host_matrices.unproject(inverse, x, y, 1.0)[0]
+
+
+UNPROJECT = {"FF": partial(lit_scenes.unproject, z=1.0), "VS": _unproject}
+# Measured: rows 1 to 3 of ControlFlags_VS. What moves the place between rows is not known; row 0 is black.
+FIRST_PLACES = (0, 4, 5, 5)
+
+
 def _back(ambient, diffuse, specular):
     colors = (lit_scenes.color(c) for c in (ambient, diffuse, specular))
     return dict(zip(("back_ambient", "back_diffuse", "back_specular"), colors, strict=True))
@@ -59,12 +70,11 @@ def _control_flags(name):
     front = lit_scenes.colors((0.0, 0.0, 0.1), (0.0, 0.0, 0.2), (0.0, 0.0, 0.7))
     light = lit_scenes.directional(ALONG, **front, **_back(*BACK_COLORS))
     lighting = _lighting(lit_scenes.COEFFICIENTS["Pow16_0"], (light,), 0.031373)
-    draws = control_flags.draws(name, CORNERS, lighting, POLYGON)
+    draws = control_flags.draws(name, CORNERS, lighting, UNPROJECT, FIRST_PLACES, POLYGON)
     corners = lit_scenes.program_background() if name.endswith("VS") else None
     background = scenes.background(LIGHT, DARK, 14, corners=corners)
     return Case(
         commands=(scenes.clear(CLEAR_FLAGS), *background, *draws),
-        explanation=control_flags.explanation(name),
     )
 
 

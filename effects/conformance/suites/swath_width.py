@@ -18,7 +18,6 @@ from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Swath_width"
-OPEN = "edges: a linear filter on texels' middles"
 
 SURFACE, SAMPLES = "samples", 2
 BACKGROUND = (0x3322AAAA, 0x33AA22AA)
@@ -119,8 +118,7 @@ def _case():
             scenes.clear(0xFF222322),
             *_surface(),
             Draw(label="shown", mesh=window, state=state),
-        ),
-        explanation="edges: a linear filter on texels' middles, which takes some of the row above at places",
+        )
     )
 
 

@@ -172,6 +172,18 @@ def test_a_pbuffers_samples_lie_side_by_side_in_a_texture_of_it():
         assert np.array_equal(texels[::-1, k::2], np.array(apart.color))
 
 
+def test_a_point_covers_both_samples_of_the_pixel_whose_middle_it_holds():
+    """Measured: Swath_width captures. The square's corners are the middles of four pixels; the upper left one
+    is inside (N11.10).
+    """
+    make = MakeCurrent(label="make", surface="s", width=SIZE, height=SIZE, samples=2)
+    bind = BindTexImage(label="bind", texture="t", surface="s", target=TextureTarget.TEXTURE_RECTANGLE)
+    point = Draw(label="point", mesh=Mesh(np.zeros((1, 2)), PrimitiveType.POINTS), state=PassState())
+    texels = execute((make, point, bind), NV2A, SIZE, SIZE).textures["t"].levels[0][0][::-1]
+    middle = SIZE // 2
+    assert np.argwhere(texels[..., 0]).tolist() == [[middle - 1, 2 * middle - 2], [middle - 1, 2 * middle - 1]]
+
+
 def test_a_pbuffer_of_several_samples_keeps_their_number_and_becomes_no_depth_texture():
     make = MakeCurrent(label="make", surface="s", width=8, height=8, samples=2)
     with pytest.raises(UnsupportedState, match="2 samples in each pixel"):
