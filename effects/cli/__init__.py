@@ -53,7 +53,7 @@ What to do next:
   fixedpipe inspect F004-4 --pixel 300,200
                                 print every register of a pixel, and where it differs from the ideal
   fixedpipe pixel STATE.json    print the pixel that a machine draws of a small state, for your own test
-  fixedpipe compare F004-4 --machines GEFORCE_256 OPENGL_1_2
+  fixedpipe compare F004-4 --machines GEFORCE_256 FUTURE
                                 find where two machines' pictures diverge: command, pixel, stage
   fixedpipe parameters F004-4   print what you can change; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe print F003-21       put a figure on a page: machine, reference, difference, labels and caption

@@ -24,7 +24,7 @@ from fixedpipe.effects.cli.options import (
     metavar="NAME=FROM:TO[:STEPS]",
     multiple=True,
     help="Change a parameter from one value to another, such as alpha_x=0.1:1 or light=1,0,1:-1,0,2:48. A "
-    "value with commas may pass through more than two. Several parameters change together.",
+    "value with commas may pass through more than two values. Several parameters change together.",
 )
 @click.option(
     "--precision", "bits", metavar="FROM:TO", help="Change the bits of every number, 4 to 16, such as 4:16."

@@ -88,7 +88,9 @@ FORMATS = ("merl", "npz")
 )
 @profile_option
 @click.option(
-    "--resume", metavar="FOLDER", help="Keep finished work in FOLDER. The same command goes on from there."
+    "--resume",
+    metavar="FOLDER",
+    help="Keep finished work in FOLDER. If you give the same command again, it goes on from there.",
 )
 @limit_option
 @fill_option

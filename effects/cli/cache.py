@@ -10,7 +10,9 @@ import click
 from fixedpipe.raster.kernel_folder import CHOSEN, clear, kept
 
 
-@click.group(invoke_without_command=True)
+@click.group(
+    invoke_without_command=True, short_help="Print where kernels are kept; pack, unpack or remove them."
+)
 @click.pass_context
 def cache(context):
     """Print where compiled kernels and stored results are kept, and how large they are.

@@ -55,10 +55,10 @@ def compare(what, other, machines, size, out, settings):
         runs = [Run(tuple(frame.commands), frame.machine) for frame in frames]
         found = compared(runs, *frames[0].size)
     if found is None:
-        click.echo("Every command leaves the same.")
+        click.echo("Every command leaves equal colours, depths and stencil values.")
         return
     x0, y0, x1, y1 = found.box
-    click.echo(f"They part at command {found.command}: {found.label}")
+    click.echo(f"They first differ after command {found.command}: {found.label}")
     scale, unit = _SCALES[found.plane]
     click.echo(
         f"  {found.plane}: {found.count} pixels differ, by at most {scale * found.largest:.4g}{unit}, from "
@@ -93,7 +93,7 @@ def _compare_histories(*paths):
         click.echo("The histories are the same.")
         return
     where, values = parted
-    click.echo(f"They part at {where}")
+    click.echo(f"They first differ at {where}")
     for path, value in zip(paths, values, strict=True):
         click.echo(f"  {path}: {value}")
     context.exit(1)

@@ -36,7 +36,8 @@ _HOW = (
 @click.option(
     "--inputs",
     metavar="DIR",
-    help="Folder of the textures and meshes that some cases need. Default: FIXEDPIPE_INPUTS.",
+    help="Folder of the textures and meshes that some cases need. Default: what the variable "
+    "FIXEDPIPE_INPUTS names.",
 )
 @click.option("--json", "json_file", metavar="FILE", help="Also write the results as a JSON list.")
 @click.option("--html", "html_file", metavar="FILE", help="Write a page that shows every difference.")
@@ -49,8 +50,10 @@ _HOW = (
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Short for --executor processes:N.")
 @executor_option
 @manifest_option
-@click.option("--other", metavar="DIR", help="Also count another renderer's pictures, DIR/SUITE/CASE.png.")
-@click.option("--page", "page_file", metavar="FILE", help="With --other: write both counts as a page.")
+@click.option("--other", metavar="DIR", help="Also compare another renderer's pictures, DIR/SUITE/CASE.png.")
+@click.option(
+    "--page", "page_file", metavar="FILE", help="With --other: write the counts of both renderers as a page."
+)
 @click.option(
     "--answers",
     metavar="FILE",
@@ -86,8 +89,8 @@ def conformance(
     """Redraw the captures in FOLDER on the NV2A, and print how many of the compared pixels are equal.
 
     FOLDER holds SUITE/CASE.png, 640x480, like the folder `results` of nxdk_pgraph_tests_golden_results. The
-    default is FIXEDPIPE_CAPTURES. Text in the pictures is not compared. Exit status 1: a case could not be
-    redrawn because of an error.
+    default is the folder that the environment variable FIXEDPIPE_CAPTURES names. Text in the pictures is not
+    compared. Exit status 1: a case could not be redrawn because of an error.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.conformance.captures import find_captures

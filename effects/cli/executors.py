@@ -17,7 +17,7 @@ executor_option = click.option(
 manifest_option = click.option(
     "--manifest",
     metavar="FILE",
-    help="Keep finished work in FILE. The same command goes on from there.",
+    help="Keep finished work in FILE. If you give the same command again, it goes on from there.",
 )
 
 

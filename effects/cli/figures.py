@@ -151,7 +151,7 @@ def figures(
     for figure in chosen:
         for name in changes[figure.id]:
             known = figure.parameter(name, figure.method(machines[figure.id][0]))
-            own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}."
+            own = f"{figure.id} itself has {name}={known.kind.show(known.default)}."
             said = own if known.default is not None else f"{name}:"
             click.echo(f"{said} {known.does}", err=True)
     from fixedpipe.effects.reports.figure_failures import failures_of, in_words

@@ -55,7 +55,7 @@ def _run_pytest(*arguments, silent=False):
     return status
 
 
-@golden.command()
+@golden.command(short_help="Run pytest, and accept new pictures.")
 @_PYTEST
 def record(arguments):
     """Run pytest, and accept the pictures that have no golden one yet. Those that differ stay as they are."""
@@ -66,7 +66,7 @@ def record(arguments):
     _end(status, [] if root is None else _results(root))
 
 
-@golden.command()
+@golden.command(short_help="Run pytest, and report each picture's result.")
 @click.option("--no-run", is_flag=True, help="Run no test; report on the last run of pytest.")
 @click.option(
     "--json",
@@ -127,7 +127,7 @@ def _end(status, found):
     click.get_current_context().exit(PICTURES if pictures else TESTS if status == 1 else 0)
 
 
-@golden.command()
+@golden.command(short_help="Accept pictures that the tests drew.")
 @click.argument("names", nargs=-1, metavar="NAME…")
 @click.option("--all", "everything", is_flag=True, help="Accept every picture that waits.")
 @click.option(
@@ -157,7 +157,7 @@ def accept(names, everything, expression, root):
                 click.echo(sentence)
 
 
-@golden.command("import")
+@golden.command("import", short_help="Make pictures of pytest-mpl, pytest-regressions or syrupy golden.")
 @click.argument("folder", metavar="DIR")
 @click.option("--into", "module", required=True, metavar="FILE", help="The test module that draws them.")
 def import_(folder, module):
@@ -172,7 +172,7 @@ def import_(folder, module):
     click.get_current_context().exit(0 if whole else PICTURES)
 
 
-@golden.command()
+@golden.command(short_help="Print the golden pictures that no test draws any more.")
 @click.option("--remove", is_flag=True, help="Remove the orphans from their stores, with their PNG files.")
 @_ROOT
 def orphans(remove, root):
@@ -196,7 +196,7 @@ def orphans(remove, root):
     click.get_current_context().exit(PICTURES if found and not remove else 0)
 
 
-@golden.command()
+@golden.command(short_help="Look at the pictures that are not golden.")
 @click.option(
     "--html", metavar="FILE", help="Write a page, one file that needs no other, instead of waiting for keys."
 )
@@ -224,7 +224,7 @@ def review(html, root):
         review_by_keys(root, _results(root))
 
 
-@golden.command()
+@golden.command(short_help="Write test vectors for another renderer.")
 @click.argument("folder", metavar="DIR")
 @click.option("--profile", default="NV2A", show_default=True, metavar="NAME", help="The machine.")
 @click.option(
@@ -285,7 +285,7 @@ def export(folder, profile, cases, frames, seed, rules, form, code):
     click.echo(f"{len(written)} files of {machine.name}'s vectors are in {folder}; {index} names them.")
 
 
-@golden.command()
+@golden.command(short_help="Test another program's arithmetic against the NV2A's.")
 @click.argument("program", nargs=-1, required=True, metavar="PROGRAM [ARGUMENT]…", type=click.UNPROCESSED)
 @click.option(
     "--rule", "rules", multiple=True, metavar="ID", help="Test only this rule. May be given several times."

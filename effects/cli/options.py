@@ -55,8 +55,8 @@ limit_option = click.option(
     metavar="MILLIONS",
     expose_value=False,
     callback=_limited,
-    help="The most pixels, voxels or samples that are read of a file. Default: 40, 135 or 17 million, which "
-    "take about 1.2 GB of memory.",
+    help="Read a file of up to so many million pixels, voxels or samples. Default: 40 million pixels, 135 "
+    "million voxels or 17 million samples. Each takes about 1.2 GB of memory.",
 )
 
 

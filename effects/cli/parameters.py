@@ -35,13 +35,13 @@ def parameters(figure_id, json_file):
             click.echo(f"    {value} on {machines}")
         click.echo(f"    {row['does']}")
         if row["of"]:
-            click.echo(f"    It takes part beside {row['of']} alone.")
+            click.echo(f"    It has an effect only together with {row['of']}.")
         click.echo(f"    Give {row['allowed']}.")
     # None is a value, but a poor example. A parameter that needs another one is no example by itself.
     shown = next((row for row in rows if row["default"] != "None" and not row["of"]), None)
     if shown is not None:
         setting = shlex.quote(f"{shown['name']}={shown['default']}")
-        click.echo(f"\nAs in fixedpipe figures {shlex.quote(figure_id)} --set {setting}")
+        click.echo(f"\nFor example: fixedpipe figures {shlex.quote(figure_id)} --set {setting}")
 
 
 def _rows(figure):

@@ -42,9 +42,9 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
 
     The command prints the root mean square of (machine - ideal), in 1/255 of full intensity, over the same
     fragments. The column "shown" compares the pictures as they are seen, clamped to [0, 1]. The column
-    "computed" does not clamp the ideal's colours. The columns "without its own" leave out the clamps that the
-    ideal does not have. So different columns of a row show the error of clamps, and different rows the error
-    of short numbers.
+    "computed" does not clamp the ideal's colours. The columns "without its clamps" leave out the clamps that
+    the ideal does not have. Compare the columns of a row to see the error of clamps. Compare the rows to see
+    the error of short numbers.
 
     A script defines `commands`, `profile` (a Profile or its name), `width` and `height`. Its commands do not
     change with the width, so an image that it gives in bytes stays in bytes.
@@ -65,7 +65,7 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
         single = measured.clamps(of.commands_of, of.machine, *of.size, step)
     click.echo(f"{of.title}\n{of.size[0]}x{of.size[1]} pixels; {_UNIT}\n")
     click.echo(f"Bits of {', '.join(part.removesuffix('_bits').replace('_', ' ') for part in parts)}:")
-    click.echo(f"{'':22}{'with clamps':>20}{'without its own':>23}")
+    click.echo(f"{'':22}{'with clamps':>20}{'without its clamps':>23}")
     click.echo(f"{'':22}{'shown':>9}{'computed':>11}{'shown':>12}{'computed':>11}")
     for width, clamped, free in rows:
         click.echo(f"{width:>22}{_numbers(clamped)}   {_numbers(free)}")
@@ -85,7 +85,7 @@ _UNIT = "root mean square of (machine - ideal), 1/255 of full intensity"
 _COLUMNS = """\
 shown: of the pictures as they are seen, both clamped to [0, 1].
 computed: of the colours as they were computed; the ideal's are not clamped.
-without its own: the machine without the clamps that the ideal does not have."""
+without its clamps: the machine without the clamps that the ideal does not have."""
 # The values that each Clamp clamps, by the Clamp's name.
 CLAMPS = {
     "VERTEX_COLOR": "colours of vertices",

@@ -88,7 +88,7 @@ def print(what, profile, style, width, dpi, pictures, palette, out, size, settin
     name = Path(out or f"{stem}-{style}.png")
     kind = name.suffix.lower().removeprefix(".")
     if kind not in KINDS:
-        raise Refusal(f"{name} is no sheet's name; end it with .{', .'.join(KINDS)}.")
+        raise Refusal(f"The name {name} must end with one of .{', .'.join(KINDS)}.")
     if kind != "png":
         refuse_ignored(
             click.get_current_context(),

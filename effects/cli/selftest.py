@@ -8,7 +8,7 @@ import click
 from fixedpipe.effects.cli.compiling import announce_compiling
 
 
-@click.command()
+@click.command(short_help="Check that this computer draws the accepted bits.")
 @click.option(
     "--cpus",
     is_flag=True,

@@ -85,9 +85,9 @@ def sweep(
     (differing). A study has a row for each row of its table.
 
     The manifest keeps finished points. If the command ends early, or if you enlarge the grid, give the same
-    command again: it computes only what is missing. If a point cannot be drawn, the column refused says why.
-    If a point fails, the column failed says why, and the exit status is 1. The same command tries such points
-    again.
+    command again: it computes only what is missing. If a machine cannot draw a point, the column "refused"
+    says why. If an error ends a point, the column "failed" says why, and the exit status is 1. The same
+    command tries such points again.
 
     A script defines profile, width, height, and commands, a function of what is varied. If it has a function
     measure(result, ideal, **values), its numbers are columns too.

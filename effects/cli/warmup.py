@@ -9,15 +9,15 @@ import click
 from fixedpipe.effects.cli.compiling import announce_compiling
 
 
-@click.command()
+@click.command(short_help="Compile all kernels now, so that nothing waits for them later.")
 @click.argument("ids", metavar="[ID …]", nargs=-1)
 def warmup(ids):
     """Compile every kernel that is not yet compiled for this computer, and print where the kernels are kept.
     With IDs of figures or studies, compile only what these need.
 
-    It takes a minute or more, once. Two processes compile. Run it after an install, or while a container is
-    built. If several users share an install, its owner should run it; all of them then read these kernels.
-    Exit status 1 if the kernels could not be kept.
+    All kernels take 2 to 5 minutes, once. Two processes compile. Run the command after an install, or while
+    a container is built. If several users share an install, its owner should run it; all of them then read
+    these kernels. Exit status 1 if the kernels could not be kept.
     """
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose

@@ -305,7 +305,7 @@ def test_a_record_says_whose_height_field_was_drawn(tmp_path):
     result = CliRunner().invoke(main, ["figures", "F004-8", *given, *options])
     assert result.exit_code == 0, result.output
     assert "height_field: A height field in the place of" in result.output
-    assert "F004-8's own is alpha_x=" in result.output
+    assert "F004-8 itself has alpha_x=" in result.output
     (record,) = (tmp_path / "out").glob("F004-8+*.json")
     said = json.loads(record.read_text())["set"]
     assert said == {"height_field": path, "material": "gold", "alpha_x": 0.3}

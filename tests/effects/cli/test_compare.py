@@ -34,7 +34,9 @@ def script(tmp_path):
 
 def test_machines_that_agree_end_with_status_0(script):
     status, text = said(script, "--machines", "GEFORCE_256", "NV2A")
-    assert (status, "Every command leaves the same." in text) == (0, True), text
+    assert (status, "Every command leaves equal colours, depths and stencil values." in text) == (0, True), (
+        text
+    )
 
 
 def test_machines_that_part_end_with_status_1(script, tmp_path):
@@ -42,7 +44,7 @@ def test_machines_that_part_end_with_status_1(script, tmp_path):
     picture = tmp_path / "difference.png"
     status, text = said(script, "--machines", "GEFORCE_256", "OPENGL_1_2", "--out", picture)
     assert status == 1
-    assert "They part at command 0: all of it" in text
+    assert "They first differ after command 0: all of it" in text
     assert "on GeForce 256: fragment" in text and "pixels differ, by at most" in text
     with Image.open(picture) as image:
         assert image.format == "PNG"
@@ -52,7 +54,7 @@ def test_two_scripts_are_compared(script, tmp_path):
     other = tmp_path / "other.py"
     other.write_text(SCRIPT.replace("0.7]]", "0.9]]"))
     status, text = said(script, other)
-    assert (status, "They part at command 0: all of it" in text) == (1, True), text
+    assert (status, "They first differ after command 0: all of it" in text) == (1, True), text
 
 
 def test_two_histories_are_compared(script, tmp_path):
@@ -67,7 +69,7 @@ def test_two_histories_are_compared(script, tmp_path):
     second.write_text(json.dumps(history))
     status, text = said(first, second)
     assert status == 1
-    assert "They part at all of it [0], fragments, [0], " in text
+    assert "They first differ at all of it [0], fragments, [0], " in text
     assert f", {stage['title']} [" in text and f", made, {stage['made'][0]['name']} [0], codes, [1]\n" in text
     assert f"{first}: {code}\n" in text and f"{second}: -5\n" in text
     history["touched"][0]["fragments"][0]["stages"].pop()

@@ -297,8 +297,11 @@ def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("F004-4",), "or a change alone; given: none."),
-        (("F004-4", "--pixel", "3,3", "--registers"), "given: --pixel, --registers."),
+        (
+            ("F004-4",),
+            "Or give only a change: --bits, --without, --replace, --constant or --texture. You gave none.",
+        ),
+        (("F004-4", "--pixel", "3,3", "--registers"), "You gave --pixel and --registers."),
         (("F004-4", "--map", "nono"), "There is no map 'nono'; there are: clamps,"),
         (("F004-4", "--registers", "--out", "x.png"), "--out would be ignored"),
         (("F004-4", "--registers", "--html", "x.html"), "--html would be ignored"),

@@ -45,7 +45,7 @@ def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
     assert record["caption"] == f"The figure with its own values: {FIGURES['F004-4'].caption}"
     captions = [p["caption"] for p in record["machines"][0]["pictures"].values()]
     assert all("slices = 6; stacks = 4; light = 0,1,0.2" in caption for caption in captions)
-    assert "F004-4's own is light=0.4,0.3,0.87. The direction towards the light" in done.output
+    assert "F004-4 itself has light=0.4,0.3,0.87. The direction towards the light" in done.output
 
 
 def test_the_ideal_draws_a_variant_too_and_leaves_the_figures_own_files(tmp_path):
@@ -183,8 +183,8 @@ def test_a_figure_without_parameters_says_so():
 
 def test_the_example_of_parameters_changes_a_value_that_there_is():
     assert "fixedpipe figures F004-2 --set map_size=128\n" in run("parameters", "F004-2").output
-    assert "It takes part beside height_field alone." in run("parameters", "F004-7").output
-    assert "As in fixedpipe" not in run("parameters", "F004-7").output
+    assert "It has an effect only together with height_field." in run("parameters", "F004-7").output
+    assert "For example: fixedpipe" not in run("parameters", "F004-7").output
 
 
 def test_parameters_of_no_figure_are_refused_with_the_nearest():

@@ -174,7 +174,7 @@ def test_its_parameters_are_named(file):
     told = other("parameters", path, "--json", "parameters.json")
     assert told.exit_code == 0, told.output
     assert told.stdout.startswith("MY-1: Red\n\ncolor=1,0.5,0.2")
-    assert told.stdout.endswith(f"As in fixedpipe figures {path} --set color=1,0.5,0.2\n")
+    assert told.stdout.endswith(f"For example: fixedpipe figures {path} --set color=1,0.5,0.2\n")
     with open("parameters.json") as written:
         assert [row["name"] for row in json.load(written)] == ["color"]
 
