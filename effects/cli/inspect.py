@@ -103,8 +103,9 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     what_if = what_if_of(*(of[name] for name in ("bits", "without", "replace", "constant", "texture")))
     if len(asked) > 1 or not (asked or what_if):
         raise Refusal(
-            "Give one of --pixel, --row, --registers, --map and --attribution. Or give only a change: "
-            f"--bits, --without, --replace, --constant or --texture. You gave {' and '.join(asked) or 'none'}."
+            "Give one of --pixel, --row, --registers, --map and --attribution. Or give only a change: --bits, "
+            "--without, --replace, --constant or --texture. You gave "
+            f"{' and '.join(asked) or 'none'}."
         )
     context = click.get_current_context()
     if pixel is None:
