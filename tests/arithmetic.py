@@ -25,9 +25,9 @@ has {rules} rules of the chip's arithmetic. Each rule has its formula, its evide
 [The judge](code-for-emulators.md#the-judge) does steps 2 and 3 for a program that answers questions on
 standard input. [Code for emulators](code-for-emulators.md) has the same rules as C and as GLSL, to paste.
 
-    fixedpipe golden export DIR --rules                 DIR/rules/ID.json for each rule, {count} vectors
-    fixedpipe golden export DIR --rules --cases 5000    edge cases, then 5000 random cases of each rule
-    fixedpipe golden export DIR                         random states and whole frames: golden-images.md
+    fixedpipe golden export DIR --rules                 # DIR/rules/ID.json for each rule, {count} vectors
+    fixedpipe golden export DIR --rules --cases 5000    # edge cases, then 5000 random cases of each rule
+    fixedpipe golden export DIR                         # random states and whole frames: golden-images.md
 
 [Silicon](silicon.md) says what the captures of a real chip are, and how many pixels agree.
 [Numbers](numbers.md) has every rule with its order of operations. `make arithmetic` makes this page, and a

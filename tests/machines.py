@@ -11,11 +11,12 @@ PAGE = Path(__file__).parents[1] / "docs" / "machines.md"
 _HEAD = """\
 # The machines, and what they have
 
-With this page you can find a machine that has a feature, and choose a machine for your frame. In the tables,
-a number is the machine's limit.
+With this page you can find a machine that has a feature, and choose a machine for your frame.
 
-`fixedpipe profiles NAME` prints all values of a machine, each with its evidence.
-[adding-things.md](adding-things.md) says how to add a machine or a feature.
+In the tables of features, "yes" means that the machine has the feature, and "-" that it has not. A number is
+the machine's limit. Below each of these tables, a second one names the files that specify, implement and test
+the features; you need it only to change the code. `fixedpipe profiles NAME` prints all values of a machine,
+each with its evidence. [adding-things.md](adding-things.md) says how to add a machine or a feature.
 
 `make machines` makes this page from `pipeline/profiles/` and `tests/support/features.py`, and a test fails if
 it is stale. Tests try every entry. `validate` accepts a feature's commands exactly where the tables say so.

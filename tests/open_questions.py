@@ -466,15 +466,17 @@ After this page you can answer twelve questions that authors of Xbox emulators h
 answer has its formula, the captures of a real NV2A that show it, test vectors, and the functions in C99 and
 GLSL that compute it.
 
-    fixedpipe golden export DIR --rules        the vectors of the rules, one file each
-    fixedpipe golden export DIR --code c99     the functions; --code glsl for shaders
+    fixedpipe golden export DIR --rules        # the vectors of the rules, one file each
+    fixedpipe golden export DIR --code c99     # the functions; --code glsl for shaders
 
-Each answer has two tables. The first counts the captures that are exact, and their equal pixels. The second
-names the functions that compute the answer, with a few test vectors. Singles and doubles are written as
-their bits. Functions have the same names in C and in GLSL. `golden export --code` writes all of them but
-those with `nv2a_answers` in the column "rule". These call the others, and are in
-[nv2a_answers.h](examples/nv2a_answers.h) and [nv2a_answers.glsl](examples/nv2a_answers.glsl). In formulas
-two names side by side are a product, and `floor` and `>>` are as in C.
+Each answer has two tables. The first counts the captures that fixedpipe redraws exactly, and their equal
+pixels. The second names the functions that compute the answer, with a few *test vectors*: inputs with the
+right result. Singles and doubles are written as their bits. In formulas two names side by side are a
+product, and `floor` and `>>` are as in C.
+
+Functions have the same names in C and in GLSL. The second command above writes most of them. A function with
+`nv2a_answers` in the column "rule" is in [nv2a_answers.h](examples/nv2a_answers.h) and
+[nv2a_answers.glsl](examples/nv2a_answers.glsl) instead, and calls the others.
 
 [arithmetic-for-emulators.md](arithmetic-for-emulators.md) has every rule, and [numbers.md](numbers.md) every
 order of operations. [silicon.md](silicon.md) says what the captures are. A test compares this page with the
