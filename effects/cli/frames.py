@@ -123,7 +123,7 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
         raise Refusal("--size and --set are a figure's; a script says its own width, height and values.")
     if (trace := _TRACE.fullmatch(path)) is not None and not path.endswith(".py"):
         if trace["rest"] is not None:
-            raise Refusal(f"{path!r}: after # stands a frame's number, from 0, as in game.trace#12.")
+            raise Refusal(f"{path!r}: write the number of a frame, from 0, after #, as in game.trace#12.")
         number = trace["number"]
         return _trace_frame(trace["path"] or path, number and int(number), profile, profile_of)
     try:

@@ -103,8 +103,8 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     what_if = what_if_of(*(of[name] for name in ("bits", "without", "replace", "constant", "texture")))
     if len(asked) > 1 or not (asked or what_if):
         raise Refusal(
-            "Give one of --pixel, --row, --registers, --map and --attribution. Or give only a change: --bits, "
-            "--without, --replace, --constant or --texture. You gave "
+            "Give one of --pixel, --row, --registers, --map and --attribution. Or give only a change: "
+            "--bits, --without, --replace, --constant or --texture. You gave "
             f"{' and '.join(asked) or 'none'}."
         )
     context = click.get_current_context()
@@ -120,7 +120,7 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
         refuse_ignored(context, ("plot",), "it is of a row; give --row Y")
     of_stages = what_if is not None and bool(what_if["replaced"] or what_if["unclamped"])
     if of_stages and asked:
-        raise Refusal(f"A changed stage has its error alone as its result; leave {asked[0]} out.")
+        raise Refusal(f"If you change a stage, only the error is printed; leave {asked[0]} out.")
     if of["stages"] and not attribution:
         raise Refusal("--stages belongs to --attribution; give that too.")
     if (attribution or row is not None or not asked) and not (of["stages"] or of_stages):

@@ -127,7 +127,7 @@ def _print_conf(names, year):
     from fixedpipe.effects.replays.gltrace_conf import conf_text, of_year
 
     if len(names) != 1:
-        raise Refusal("--gltrace-conf is of one machine; name it, as in fixedpipe profiles GEFORCE_256.")
+        raise Refusal("--gltrace-conf needs one machine; name it, as in fixedpipe profiles GEFORCE_256.")
     machine = machine_of(names[0])
     click.echo(conf_text(names[0], machine if year is None else of_year(machine, year)), nl=False)
 

@@ -156,7 +156,7 @@ class _Files:
             if asked.count != 1:
                 raise Refusal("--save-script writes one frame; give its number, as --frames 12.")
             if self.script.suffix != ".py":
-                raise Refusal(f"{script} is no script's name; end it with .py.")
+                raise Refusal(f"The name {script} must end with .py.")
             writable_file(self.script)
             writable_file(self.script.with_suffix(".npz"))
         self.video = Path(video) if video is not None else None

@@ -14,7 +14,7 @@ def write_page(trace, key, asked, file, threads):
     if trace == "-":
         raise Refusal("--page reads the trace once for each machine, and - is read once; give a file.")
     if not file.lower().endswith((".html", ".htm")):
-        raise Refusal(f"{file} is no page's name; end it with .html.")
+        raise Refusal(f"The name {file} must end with .html.")
     path, lacking = writable_file(file), missing()
     announce_compiling()
     if lacking is not None:

@@ -121,7 +121,7 @@ def sweep(
     if plot_file:
         check_plot(asked)
         if Path(plot_file).suffix.lower() not in _FORMS:
-            raise Refusal(f"{plot_file} is no plot's name; end it with {', '.join(_FORMS)}.")
+            raise Refusal(f"The name {plot_file} must end with one of {', '.join(_FORMS)}.")
         plot_path = writable_file(plot_file)
     folder = writable_folder(pictures) if pictures else None
     kept = Path(manifest) if manifest else path.with_name(f"{path.name}.manifest")

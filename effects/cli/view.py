@@ -155,7 +155,9 @@ def _own(what, profile, size, settings):
     frame = script_frame(what, profile, size, settings)
     keys = [key for key, machine in machines().items() if machine == frame.machine]
     if not keys:
-        raise Refusal(f"{what} draws on {frame.machine.name}, which has no key; give --profile NAME.")
+        raise Refusal(
+            f"{what} draws on {frame.machine.name}, which is none of the machines here; give --profile NAME."
+        )
     if what.endswith(".py"):
         imports = ("import runpy",)
         defining = (

@@ -119,7 +119,7 @@ def check_kind(path: Path) -> None:
 
     ending = path.suffix.lower()
     if ending not in KINDS:
-        raise Refusal(f"{path} is no table's name; end it with {', '.join(KINDS)}.")
+        raise Refusal(f"The name {path} must end with one of {', '.join(KINDS)}.")
     for module in KINDS[ending][1]:
         if find_spec(module) is None:
             raise Refusal(f"A file {ending} needs {module}, which is not installed: {_NEEDS}")

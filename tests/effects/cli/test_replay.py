@@ -143,7 +143,7 @@ def test_a_damaged_trace_that_draws_nothing_before_is_none(tmp_path, monkeypatch
 def test_a_frame_without_a_number_is_refused(trace, command):
     name, *options = command
     status, text = said(name, f"{trace}#last", *options)
-    assert (status, "after # stands a frame's number" in text) == (2, True), text
+    assert (status, "write the number of a frame, from 0, after #" in text) == (2, True), text
 
 
 @pytest.mark.parametrize(

@@ -218,7 +218,7 @@ def test_a_script_is_drawn_over_what_its_commands_take(tmp_path):
         (("K12", "--executor", "dask:nowhere"), "dask:nowhere is no scheduler; give dask:local"),
         (("K12", "--executor", "mpi"), "begin the command by mpiexec -n 3"),
         (("K12", "--plot", "a.png"), "--plot shows what varies over one axis or two"),
-        (("K12", "--vary", "depth=0:1:3", "--plot", "a.bmp"), "a.bmp is no plot's name"),
+        (("K12", "--vary", "depth=0:1:3", "--plot", "a.bmp"), "The name a.bmp must end with"),
         (("P11", "--vary", "depth=0:1:3"), "P11 is a study: vary machines and bits alone"),
         (("P11", "--size", "8"), "P11 is a study"),
     ],
