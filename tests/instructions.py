@@ -26,18 +26,21 @@ _HEAD = """\
 After this page you know which combiners an instruction becomes, what they compute on each machine, and which
 reader refuses a program. `make instructions` makes the page, and a test fails where it is stale.
 
-The column of general combiners has what `fixedpipe combiners --rc` prints for the row's program. "yes" means
-that the machine's validation accepts the program. Tests compare every formula, as it is written here, with
-every machine that has the construct. `tests/pipeline/notations/test_instructions.py` takes all pairs of bytes
-on the NV2A, and 68 by 68 of them on the others. `tests/pipeline/notations/test_texture_operations.py` tests
-texture shaders. The page [Programs as text](combiner-notations.md) explains the notations, and
-[Numbers](numbers.md) has every rule with its evidence.
+The column of general combiners has what `fixedpipe combiners --rc` prints for the row's program. The column
+of a machine has "yes" if the machine accepts the program, otherwise "-". The page [Programs as
+text](combiner-notations.md) explains the notations, and [Numbers](numbers.md) has every rule with its
+evidence.
+
+Tests compare every formula, as it is written here, with every machine that has the construct.
+`tests/pipeline/notations/test_instructions.py` takes all pairs of bytes on the NV2A, and 68 by 68 of them on
+the others. `tests/pipeline/notations/test_texture_operations.py` tests texture shaders.
 
 """
 _WORDS = """\
-In the tables below the first statement of a combiner is A and B, the second C and D, and `sum()` AB + CD. A
-register alone is multiplied by one, and discard stores nothing. Formulas compute whole numbers in units of
-1/one, each component by itself. They have these names:
+A general combiner computes the products AB and CD, and their sum. In the tables below, the first statement of
+a combiner gives A and B, the second gives C and D, and `sum()` is AB + CD. A register alone is multiplied by
+one, and discard stores nothing. Formulas compute whole numbers in units of 1/one, each component by itself.
+They have these names:
 
 | name | what it is |
 | --- | --- |
@@ -56,9 +59,9 @@ The functions, on machines and in the ideal:
 
 """
 _TEXTURES = """\
-The bound texture's target chooses the operation. Without `--target`, an instruction is the first of its rows;
-texm3x3tex and its kin take a cube map. A table [below](#operations-of-ts10) has what the operations compute.
-Machines without combiners run no pixel shader.
+The bound texture's target chooses the operation. Without `--target`, the reader takes the first of an
+instruction's rows, which is a cube map for texm3x3tex and its kin. A table [below](#operations-of-ts10) has
+what the operations compute. Machines without combiners run no pixel shader.
 
 """
 _SHADERS = """\

@@ -64,8 +64,12 @@ def compare(what, other, machines, size, out, settings):
         f"  {found.plane}: {found.count} pixels differ, by at most {scale * found.largest:.4g}{unit}, from "
         f"({x0}, {y0}) to ({x1 - 1}, {y1 - 1}); most at {found.pixel}"
     )
-    for frame, stage in zip(frames, found.stages, strict=True):
-        click.echo(f"  on {frame.machine.name}: {_stage(stage)}")
+    made = [_made(stage) for stage in found.stages]
+    for frame, stage, own, others in zip(frames, found.stages, made, made[::-1], strict=True):
+        click.echo(f"  on {frame.machine.name}: {_title(stage)}")
+        for text in own:
+            if text not in others:
+                click.echo(f"    = {text}")
     if out is not None:
         from fixedpipe.effects.reports.map_picture import maps_png
 
@@ -156,13 +160,16 @@ _GROUPS, _NOT_COMPARED = ("touched", "stages"), ("profile", "label")
 _SCALES = {"color": (255, "/255"), "depth": (1, ""), "stencil": (1, "")}
 
 
-def _stage(stage):
-    """A stage and the values that it made, in a line."""
-    from fixedpipe.pipeline.inspection.words import cells
-
+def _title(stage):
+    """A stage's name and what it computes, in a line."""
     if stage is None:
         return "no such stage"
-    made = ", ".join(
-        f"{quantity.name} {' '.join(filter(None, cells(quantity)[:2]))}" for quantity in stage.made
-    )
-    return f"{stage.title}{': ' + stage.says if stage.says else ''}  = {made}"
+    return f"{stage.title}{': ' + stage.says if stage.says else ''}"
+
+
+def _made(stage):
+    """The values that a stage made, each as a text."""
+    from fixedpipe.pipeline.inspection.words import cells
+
+    made = () if stage is None else stage.made
+    return [f"{quantity.name} {' '.join(filter(None, cells(quantity)[:2]))}" for quantity in made]

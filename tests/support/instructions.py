@@ -338,13 +338,15 @@ class Group:
 
 
 _ARITHMETIC = (
-    "An instruction is a general combiner, and so is a pair with `+`; cmp and dp4 are two. A GeForce "
-    "256 refuses texture instructions, and more than two constants in all. So it runs programs of one or "
-    "two instructions of colors. Its combiners compute the same formulas."
+    "Each instruction becomes one general combiner, and so does a pair with `+`; cmp and dp4 become two. "
+    "A GeForce 256 refuses texture instructions, which the programs of these tables need, and more than two "
+    "constants in all. It runs programs of one or two instructions of colors. Its combiners compute the same "
+    "formulas."
 )
 _MODIFIED = (
-    "The sum is rounded first, then scaled, then clamped. `_sat` is no field of the combiner. The combiner "
-    "that reads the register maps it by UNSIGNED_IDENTITY ([why](decisions/0010-pixel-shaders.md))."
+    "The sum is rounded first, then scaled, then clamped. A combiner has no field for `_sat`. Instead, the "
+    "next combiner that reads the register maps it by UNSIGNED_IDENTITY "
+    "([why](decisions/0010-pixel-shaders.md))."
 )
 _READ = "The source is r1, of `sub r1, t0, t1` before it: x = a - b, from -255 to 255 where one is 255."
 _CONSTANT = "`c0` and `-c0`, `c0.a` and what is mapped are read the same way; alpha has a sign of its own."
