@@ -216,7 +216,7 @@ def review(html, root):
         path = writable_file(html)
         with refusals():
             write_whole(path, golden_page(root, _results(root)).encode())
-        click.echo(f"{path} shows them; open it in a browser.")
+        click.echo(f"{path} shows the pictures; open it in a browser.")
         return
     from fixedpipe.effects.cli.golden_review import review_by_keys
 

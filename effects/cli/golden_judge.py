@@ -32,7 +32,7 @@ def judge_program(program, names, cases, seed, patience, json_file, html_file):
         write_whole(json_path, (json.dumps(record, indent=1) + "\n").encode())
     if html_path:
         write_whole(html_path, scorecard_page(record).encode())
-        click.echo(f"{html_path} shows them; open it in a browser.")
+        click.echo(f"{html_path} shows the results; open it in a browser.")
     return all(score.whole for score in scores)
 
 

@@ -25,4 +25,4 @@ def write_page(trace, key, asked, file, threads):
         click.echo(f"Without Mesa's pictures: {error}", err=True)
         text = trace_page(trace, key, asked, mesa=False, threads=threads)
     write_whole(path, text.encode())
-    click.echo(f"{file} shows them; open it in a browser.")
+    click.echo(f"{file} shows the frames; open it in a browser.")
