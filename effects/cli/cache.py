@@ -24,7 +24,7 @@ def cache(context):
         _say()
 
 
-@cache.command("clear")
+@cache.command("clear", short_help="Remove all stored kernels and results.")
 def remove():
     """Remove all stored kernels and results, of every version. They are made again when needed."""
     before = kept()
@@ -37,7 +37,7 @@ def remove():
         raise click.exceptions.Exit(1)
 
 
-@cache.command("pack")
+@cache.command("pack", short_help="Write all kernels into one file, for another computer.")
 @click.argument("file", type=click.Path(dir_okay=False))
 @click.option(
     "--level",
@@ -65,7 +65,7 @@ def pack(file, level):
         raise click.exceptions.Exit(status)
 
 
-@cache.command("unpack")
+@cache.command("unpack", short_help="Take the kernels of such a file.")
 @click.argument("file", type=click.Path(dir_okay=False))
 def unpack(file):
     """Use the kernels of FILE, a pack, in this installation, so that nothing is compiled.
