@@ -131,7 +131,7 @@ def kind_of(path):
     """
     ending = path.suffix.lower()
     if ending not in KINDS:
-        raise Refusal(f"{path} is no animation's name; end it with {', '.join(KINDS)}.")
+        raise Refusal(f"The name {path} must end with one of {', '.join(KINDS)}.")
     if ending == ".mp4":
         _video_library()
     return KINDS[ending]

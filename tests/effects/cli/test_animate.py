@@ -78,7 +78,7 @@ def test_bits_alone_are_slow(tmp_path):
         (("K14", "--profile", "OCTANE"), "K14 cannot be drawn on OCTANE"),
         (("K14", "--size", "4096"), "draws up to 2048x2048"),
         (("K14", "--fps", "100"), "give 1 to 60"),
-        (("K14", "--out", "torus.gif"), "end it with .png, .apng, .webp, .mp4"),
+        (("K14", "--out", "torus.gif"), "must end with one of .png, .apng, .webp, .mp4"),
     ],
 )
 def test_what_cannot_move_is_refused_and_nothing_is_written(tmp_path, monkeypatch, arguments, words):

@@ -98,7 +98,7 @@ def test_a_diagram_is_printed_on_white_and_its_command_says_so(tmp_path, machine
     [
         (("torus",), "There is no figure 'torus'"),
         (("K14", "--profile", "OCTANE"), "K14 cannot be drawn on OCTANE"),
-        (("K14", "--out", "sheet.gif"), "end it with .png, .pdf, .svg"),
+        (("K14", "--out", "sheet.gif"), "must end with one of .png, .pdf, .svg"),
         (("K14", "--out", "sheet.pdf", "--dpi", "300"), "--dpi would be ignored"),
         (("K14", "--style", "postre"), "There is no style 'postre'"),
         (("K14", "--width", "1"), "The width is 1 mm"),

@@ -189,7 +189,7 @@ def test_a_trace_that_draws_nothing(tmp_path, monkeypatch):
         (("three.trace", "--profile", "IDEAL"), "IDEAL is no machine"),
         (("three.trace", "--profile", "GEFORCE256"), "Did you mean GEFORCE_256?"),
         (("three.trace", "--frames", "all", "--save-script", "a.py"), "--save-script writes one frame"),
-        (("three.trace", "--save-script", "a.txt"), "end it with .py"),
+        (("three.trace", "--save-script", "a.txt"), "must end with .py"),
         (("three.trace", "--frames", "all", "--video", "a.png"), "how many frames it has"),
         (("three.trace", "--fps", "5"), "--fps would be ignored"),
         (("three.trace", "--list", "--frames", "1"), "--frames would be ignored"),

@@ -181,7 +181,7 @@ def test_its_pictures_differ(identifier):
 
 
 def test_another_ending_and_a_rate_that_no_player_shows_are_refused(tmp_path, noise):
-    with pytest.raises(Refusal, match=r"end it with \.png, \.apng, \.webp, \.mp4"):
+    with pytest.raises(Refusal, match=r"must end with one of \.png, \.apng, \.webp, \.mp4"):
         write_animation(tmp_path / "noise.gif", iter(noise), 7, 15)
     for rate in (0, 61):
         with pytest.raises(Refusal, match="give 1 to 60"):

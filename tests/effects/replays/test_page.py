@@ -74,7 +74,7 @@ def test_mesas_picture_is_compared_only_where_it_is_trusted(tmp_path, monkeypatc
     ("arguments", "words"),
     [
         (["-", "--page", "a.html"], "give a file"),
-        (["a.trace", "--page", "a.txt"], "end it with .html"),
+        (["a.trace", "--page", "a.txt"], "must end with .html"),
         (["a.trace", "--page", "a.html", "--json", "b.json"], "writes nothing but the page"),
         (["a.trace", "--page", "a.html", "--frames", "all"], "up to 24 frames"),
         (["a.trace", "--page", "a.html", "--frames", "7"], "has no frame 7"),
