@@ -181,7 +181,10 @@ def test_a_point_covers_both_samples_of_the_pixel_whose_middle_it_holds():
     point = Draw(label="point", mesh=Mesh(np.zeros((1, 2)), PrimitiveType.POINTS), state=PassState())
     texels = execute((make, point, bind), NV2A, SIZE, SIZE).textures["t"].levels[0][0][::-1]
     middle = SIZE // 2
-    assert np.argwhere(texels[..., 0]).tolist() == [[middle - 1, 2 * middle - 2], [middle - 1, 2 * middle - 1]]
+    assert np.argwhere(texels[..., 0]).tolist() == [
+        [middle - 1, 2 * middle - 2],
+        [middle - 1, 2 * middle - 1],
+    ]
 
 
 def test_a_pbuffer_of_several_samples_keeps_their_number_and_becomes_no_depth_texture():
