@@ -30,16 +30,17 @@ def fields(material):
     }
 
 
-def shaded(textures, seen, light, gated=True, squared_first=False):
+def shaded(textures, seen, light, gated=True, squared_first=False, eye=_EYE):
     """(n.l)+ and Eq. 1 at the pixels: float64 [n] each, the second times the gate min(1, 4 (n.l)+).
 
     textures       as ``fields`` gives them
     light          towards it
     gated          whether there is a gate
     squared_first  products are squared, and cut off, at the texels, and filtered then
+    eye            towards it: a vector, or one for each pixel, [n, 3]
     """
     toward = unit(np.array(light, np.float64))
-    lamp, half = ((seen.frames @ v) for v in (toward, unit(toward + _EYE)))
+    lamp, half = ((seen.frames @ v[..., None])[..., 0] for v in (toward, unit(toward + unit(eye))))
 
     def at(name, vectors, change):
         field = textures[name][..., :3]
@@ -54,12 +55,12 @@ def shaded(textures, seen, light, gated=True, squared_first=False):
     return lit, gate * k_s * np.maximum(1.0 - squares, 0.0)
 
 
-def picture(textures, seen, values, *, color=1.0, gated=True, squared_first=False):
+def picture(textures, seen, values, *, color=1.0, gated=True, squared_first=False, eye=_EYE):
     """The displayed colours of ``shaded`` with a figure's own ``values``: float64 [n, 3].
 
     ``color``: of the surface, by which diffuse and ambient light are multiplied, [n, 3].
     """
-    lit, specular = shaded(textures, seen, values["light"], gated, squared_first)
+    lit, specular = shaded(textures, seen, values["light"], gated, squared_first, eye)
     diffuse, ambient, strength = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
     out = (lit[:, None] * diffuse + ambient) * color + specular[:, None] * strength
     return np.clip(out, 0.0, 1.0)

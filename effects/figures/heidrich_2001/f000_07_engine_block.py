@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import volume_caster
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import IMAGING_MACHINES_8, Figure, Method
@@ -119,7 +120,8 @@ def _truth(figure, size):
 
 def _compared(figure, renderer, on, size):
     """Of a machine's, or the ideal's, mask and of rays: the fraction of the surface's pixels that agree, the
-    fraction that neither do nor are understood, and where both are lit or both dark; with what rays found.
+    fraction that neither do nor are understood, and where both are lit or both dark; with what rays found:
+    where the surface is, and its colours with shadows, without, and without the lamp.
     """
     picture, surface, lit = _truth(figure, size)
     image = renderer.window(on, figure, size, shading=SceneShading.MASK)
@@ -131,14 +133,43 @@ def _compared(figure, renderer, on, size):
     pixels = max(int(both.sum()), 1)
     missing = (surface.seen != drawn).sum() / pixels
     shares = (float(share) for share in (1.0 - differs.sum() / pixels, other / pixels, missing))
-    return (*shares, both & ~differs, _phong(picture, surface, lit))
+    facing = dot(surface.normals, np.array(picture.light)) > 0.0
+    colors = [_phong(picture, surface, light) for light in (lit, facing, np.zeros_like(lit))]
+    return (*shares, both & ~differs, surface.seen & drawn, colors)
+
+
+def _light_checks(figure, renderer, agreed, both, colors):
+    """The light of both displayed panels, and the shadows that only the second has."""
+    window = np.clip(renderer.machine_window(figure, _SIZE), 0.0, 1.0)
+    bare, shadowed = window[:, :_SIZE], window[:, _SIZE:]
+    with_shadows, without, unlit = colors
+    yield DATA.check(
+        "median of |machine - Phong's model of the rays' surface|",
+        float(np.median(np.abs(shadowed - with_shadows)[agreed])),
+        Answer.MACHINE,
+    )
+    shares = []
+    for panel, of in ((bare, without), (shadowed, with_shadows)):
+        flat = np.broadcast_to(of[both].mean(axis=0), of[both].shape)
+        shares.append(least_share(panel[both], of[both], flat, unlit[both]))
+    yield DATA.check(
+        "of what the lamp and the surface's shape change, the least share that is seen",
+        min(shares),
+        Answer.MACHINE,
+    )
+    changed = both & (np.abs(with_shadows - without).max(axis=-1) > 0.05)
+    one, other = with_shadows[changed], without[changed]
+    yield DATA.check(
+        "of what shadows change, the lesser share that is as in its panel",
+        min(least_share(shadowed[changed], one, other), least_share(bare[changed], other, one)),
+        Answer.MACHINE,
+    )
 
 
 def checks(figure, renderer):
     """Masks and light against rays cast at the same densities; which pixels shadows change."""
-    _, ideal_other, ideal_missing, _, _ = _compared(figure, renderer, Answer.IDEAL, _IDEAL_SIZE)
-    agreeing, other, missing, agreed, phong = _compared(figure, renderer, Answer.MACHINE, _SIZE)
-    apart = np.abs(renderer.machine_window(figure, _SIZE)[:, _SIZE:] - phong)[agreed]
+    _, ideal_other, ideal_missing, *_ = _compared(figure, renderer, Answer.IDEAL, _IDEAL_SIZE)
+    agreeing, other, missing, *of_light = _compared(figure, renderer, Answer.MACHINE, _SIZE)
     # Both on the same panel: beside each other they differ where rounding takes another slice.
     size, swapped = _SMALL, {"shadows": (True, False)}
     plain, shadowed = (renderer.machine_window(figure, size, **how)[:, :size] for how in ({}, swapped))
@@ -153,11 +184,7 @@ def checks(figure, renderer):
         DATA.check("{rays} that are lit or dark as rays say", agreeing, Answer.MACHINE, rays=rays),
         DATA.check("{rays} that differ from rays and are not understood", other, Answer.MACHINE, rays=rays),
         DATA.check("pixels where either alone has a surface, {rays}", missing, Answer.MACHINE, rays=rays),
-        DATA.check(
-            "median of |machine - Phong's model of the rays' surface|",
-            float(np.median(apart)),
-            Answer.MACHINE,
-        ),
+        *_light_checks(figure, renderer, *of_light),
         DATA.check(
             "how much brighter shadows make any pixel",
             float((shadowed - plain).max()),

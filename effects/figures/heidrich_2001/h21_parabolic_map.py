@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bumped_reflections, environments, reflections
@@ -70,8 +71,41 @@ def two_units_scene(profile, size, **values):
     return _scene(profile, size, passes, **values)
 
 
+def _displayed_checks(figure, renderer):
+    """The displayed discs by the paraboloid's formula, and what mirrors and the room behind by rays."""
+    size, room = figure.size, environments.room
+    view, surface = (
+        reflecting.camera(row_of_panels(4, size)[3], figure.values["eye"]),
+        reflecting.ball_in_ring(size),
+    )
+    toward, known = reflecting.reflections_by_rays(surface, view, 0.3)
+    back, behind = reflecting.backdrop_by_rays(surface, view)
+    x, y = pixel_grid(size, parabolic_maps.margin(reflecting.texels(size)) / 1.02)
+    square = x * x + y * y
+    discs = [np.stack([2.0 * x, 2.0 * y, z], axis=-1) for z in (square - 1.0, 1.0 - square)]
+    # Of each panel: which pixels, and directions into the room. The second disc has those towards +z.
+    parts = [(k, square < 0.97, discs[k]) for k in (0, 1)]
+    parts += [(2, known & (toward[..., 2] > 0.1), toward), (3, known, toward)]
+    parts += [(k, behind, back) for k in (2, 3)]
+    of_first = known & (toward[..., 2] < -0.3)
+    for on in Answer:
+        window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
+        for k, where, along in (*parts, (2, of_first, toward)):
+            true = np.minimum(room(along[where]), 1.0)
+            flat = np.broadcast_to(true.mean(axis=0), true.shape)
+            shares.append(least_share(panel_of(window, k)[where], true, flat))
+        *shares, beyond = shares
+        yield DATA.check(
+            "of the room in the discs, mirrored and behind, the least share that is seen", min(shares), on
+        )
+        yield DATA.check(
+            "of the room where the third panel lacks the first disc, the share that is seen", beyond, on
+        )
+
+
 def checks(figure, renderer):
     """Directions as colours: in the discs by the paraboloid's formula, in the pictures by rays."""
+    yield from _displayed_checks(figure, renderer)
     size, edge = 128, 256
     panels = row_of_panels(4, size)
     surface, view = (

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
@@ -98,8 +99,47 @@ def _sums(cube, exponent, toward):
     return lobes.T @ cube.reshape(-1, 3) / lobes.sum(axis=0)[:, None]
 
 
+# How many pixels of a panel are compared with sums over all texels.
+_SOME = 96
+
+
+def _displayed_checks(figure, renderer):
+    """Some pixels of what mirrors, and of the room behind, by the room itself and sums over its texels."""
+    size, values = figure.size, figure.values
+    view = reflecting.camera(row_of_panels(4, size)[0], values["eye"])
+    surface = reflecting.ball_in_ring(size)
+    toward, known = reflecting.reflections_by_rays(surface, view)
+    normals, _, _ = reflecting.normals_by_rays(surface, view)
+    back, behind = reflecting.backdrop_by_rays(surface, view)
+    some, places = reflecting.some_of(known, _SOME), reflecting.some_of(behind, 16 * _SOME)
+    texels = cube_maps.directions(64).reshape(-1, 3)
+    angles = np.broadcast_to(cube_maps.solid_angles(64), (6, 64, 64)).reshape(-1, 1)
+    light = np.concatenate([environments.room(texels) * angles, angles], axis=-1)
+    toward, normals = (vectors.reshape(-1, 3)[some] for vectors in (toward, normals))
+    true = [
+        np.minimum(environments.room(toward), 1.0),
+        reflecting.lobes(toward, texels, light, values["narrow"]),
+        reflecting.lobes(toward, texels, light, values["wide"]),
+        reflecting.lobes(normals, texels, light, 1.0),
+    ]
+    room = np.minimum(environments.room(back.reshape(-1, 3)[places]), 1.0)
+    flat_room = np.broadcast_to(room.mean(axis=0), room.shape)
+    for on in Answer:
+        window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
+        for k, whole in enumerate(true):
+            panel = panel_of(window, k).reshape(-1, 3)
+            flat = np.broadcast_to(whole.mean(axis=0), whole.shape)
+            beside = [true[n] for n in (k - 1, k + 1) if 0 <= n < len(true)]
+            shares.append(least_share(panel[some], whole, flat, *beside))
+            shares.append(least_share(panel[places], room, flat_room))
+        yield DATA.check(
+            "of what maps, filters and the room behind change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """Panels against sums over all texels where rays meet the objects; a constant map; a point's image."""
+    yield from _displayed_checks(figure, renderer)
     size, values = 128, figure.values
     panel = row_of_panels(4, size)[0]
     surface, view = reflecting.ball_in_ring(size), reflecting.camera(panel, values["eye"])

@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import (
@@ -17,11 +18,11 @@ from fixedpipe.effects.environment_maps import (
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2001.shared import glass
+from fixedpipe.effects.figures.heidrich_2001.shared import glass, reflecting
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.vertex_vectors import reflected
-from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance.fresnel import fresnel
 
 DATA = figure_data(__file__, "H30")
@@ -120,8 +121,43 @@ def reference(size, *, index, roughnesses, environment, photograph, objects, det
     return out[::-1]
 
 
+# How many pixels of a panel's glass are compared.
+_SOME = 96
+
+
+def _displayed_checks(figure, renderer):
+    """Some pixels of the clear glass, and of the room behind all three, by the room itself."""
+    size, values = figure.size, figure.values
+    view, surface = camera(row_of_panels(3, size)[0]), glass.OBJECTS[values["objects"]](segments(size))
+    normals, eye, there = glass.surface_by_rays(surface, view)
+    cosines = (normals * eye).sum(axis=-1)
+    some = reflecting.some_of(there & (cosines > 0.2), 16 * _SOME)
+    back, behind = reflecting.backdrop_by_rays(surface, view)
+    places = reflecting.some_of(behind, 16 * _SOME)
+    normals, eye, cosines = normals.reshape(-1, 3)[some], eye.reshape(-1, 3)[some], cosines.ravel()[some]
+    factor = glass.by_polarizations(cosines, values["index"])[:, None]
+    mirror = environments.room(2.0 * cosines[:, None] * normals - eye)
+    through = environments.room(bent(eye, normals, values["index"]))
+    whole = factor * mirror + (1.0 - factor) * through
+    room = environments.room(back.reshape(-1, 3)[places])
+    flat_glass, flat_room = (np.broadcast_to(c.mean(axis=0), c.shape) for c in (whole, room))
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        panels = [panel_of(window, k).reshape(-1, 3) for k in range(3)]
+        clear = least_share(
+            panels[0][some], whole, flat_glass, factor * mirror, (1.0 - factor) * through, 0.0 * whole
+        )
+        shares = [clear, *(least_share(panel[places], room, flat_room) for panel in panels)]
+        yield DATA.check(
+            "of what the clear glass and the room behind change, the least share that is seen",
+            min(shares),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """A ball of glass against the maps looked up at each pixel."""
+    yield from _displayed_checks(figure, renderer)
     size, values = 160, figure.values
     view = camera(row_of_panels(1, size)[0])
     normals, eye, seen = glass.ball_by_rays(view)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid
 from fixedpipe.effects.bump_mapping import diffuse_bump
@@ -12,10 +13,11 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 
 DATA = figure_data(__file__, "F004-3")
+_IMAGING = "imaging subset"
 
 
 def scratched_square(seed, count):
@@ -104,8 +106,48 @@ def scratch_visibility(image, material, extent):
     return tuple(contrasts)
 
 
+def _by_pixels(values, size, local):
+    """The square's Seen, and of each panel its pixels by Eq. 1 in float64, then without a material's field
+    each: [1 + fields, n, 3].
+
+    ``local``: whether each pixel has its own halfway vector; without, all have the middle's.
+    """
+    seen = seen_places.square(size, values["extent"])
+    fields = material_reference.fields(scratched_square(values["seed"], values["count"]).material)
+    # The viewer is five half edges before the square's middle.
+    aside = float(local) * np.stack([1.0 - 2.0 * seen.s, 1.0 - 2.0 * seen.t, 0.0 * seen.s], axis=-1)
+    eye = aside + np.array((0.0, 0.0, 5.0))
+    angle = math.radians(values["elevation"])
+    low, high = math.cos(angle), math.sin(angle)
+    found = [
+        material_reference.pictures(fields, seen, {**values, "light": light}, eye=eye)
+        for light in ((low, 0.0, high), (0.0, low, high), (0.0, 0.0, 1.0))
+    ]
+    # Light from the top does not tell normals that lean by a slope of 0.15 from straight ones: their cosines
+    # are 0.99.
+    found[2] = np.delete(found[2], 1 + list(fields).index("normals"), axis=0)
+    return seen, found
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed panels beside those without a material's field, and beside the other lights'."""
+    seen, found = _by_pixels(figure.values, figure.size, renderer.method.name != _IMAGING)
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        shares = [
+            material_reference.least_share(
+                panel_of(window, k)[seen.where], *of, *(other[0] for other in found if other is not of)
+            )
+            for k, of in enumerate(found)
+        ]
+        yield DATA.check(
+            "of what the material and the light change, the least share that is seen", min(shares), on
+        )
+
+
 def checks(figure, renderer):
     """Which scratches each light shows, on the ideal and on the machine."""
+    yield from _displayed_checks(figure, renderer)
     size = 512
     material = scratched_square(figure.values["seed"], figure.values["count"])
     reasons = {
@@ -146,7 +188,7 @@ FIGURE = Figure(
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),
-        Method("imaging subset", imaging_scene, IMAGING_MACHINES),
+        Method(_IMAGING, imaging_scene, IMAGING_MACHINES),
     ),
     acceptance=checks,
 )

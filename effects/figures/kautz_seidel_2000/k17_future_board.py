@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.material_reference import least_share
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
@@ -14,7 +17,7 @@ from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.reflectance import brdfs, future_board, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
 
@@ -130,8 +133,110 @@ def expected(name, size, parameters):
     return np.minimum(value, 1.0), (z2 > 0.1) & (np.abs(points[..., 1]) < np.cos(np.radians(25.0)))
 
 
+def _model(name, fields, seen, toward):
+    """Of a model on a material's ``fields`` at the pixels: (n.l)+ and its highlight, float64 [n, 1] each.
+
+    Source: Kautz, Seidel 2000, sections 3.1 to 3.3: Banks's model, the Blinn-Phong model and Ward's.
+    """
+    light, viewer = (seen.frames @ seen_places.unit(np.array(v, np.float64)) for v in (toward, VIEWER))
+    n, t, b, k_s, alpha_x, alpha_y, exponent = (seen_places.looked_up(field, seen) for field in fields)
+
+    def dot(a, c):
+        return (a * c).sum(axis=-1)
+
+    n_l, n_v = np.maximum(dot(n, light), 0.0), np.maximum(dot(n, viewer), 0.0)
+    both = light + viewer
+    if name == "banks":
+        v_t, l_t = dot(t, viewer), dot(t, light)
+        shine = n_l * np.maximum(np.sqrt((1.0 - v_t**2) * (1.0 - l_t**2)) - v_t * l_t, 0.0)
+    elif name == "blinn_phong":
+        half = seen_places.unit(both)
+        lost = (dot(half, t) / alpha_x) ** 2 + (dot(half, b) / alpha_y) ** 2
+        shine = np.sqrt(np.maximum(1.0 - lost, 0.0)) ** exponent * np.minimum(4.0 * n_l, 1.0)
+    else:
+        square = dot(both, both)
+        lost = (dot(both, t) / alpha_x) ** 2 + (dot(both, b) / alpha_y) ** 2
+        shine = np.exp(-2.0 * lost / (square + np.sqrt(square) * dot(both, n)))
+        shine *= np.sqrt(n_l / np.maximum(n_v, 1.0e-9)) * (n_v > 0.0) / (4.0 * np.pi * alpha_x * alpha_y)
+    return n_l[:, None], np.minimum(k_s * shine, 1.0)[:, None]
+
+
+# Which of a material's fields a model reads, by their places in what ``_model`` takes: n, t, b, k_s, N.
+_READ = {"banks": (0, 1, 3), "blinn_phong": (0, 1, 2, 6), "ward": (0, 1, 2, 3)}
+
+
+def _fine_pictures(values, seen):
+    """Of each model the displayed colours, then those with a field's mean in its place each: float64
+    [1 + fields, n, 3].
+    """
+    own = {"height_field": values["height_field"], "height_scale": values["height_scale"]}
+    names = "map_size", "depth", "spread", "k_s", "alphas", "exponents", "squares"
+    made = materials(*(values[name] for name in names), **own)
+    for name, color, bright in zip(MODELS, values["diffuse"], values["specular"], strict=False):
+        m = made[name]
+        fields = m.normals, m.tangents, m.binormals, m.k_s, m.alpha_x, m.alpha_y, m.exponent
+        pictures = []
+        for flat in (None, *_READ[name]):
+            of = [
+                np.broadcast_to(field.mean(axis=(0, 1)), field.shape) if k == flat else field
+                for k, field in enumerate(fields)
+            ]
+            lit, shine = _model(name, of, seen, values["light"])
+            colors = lit * np.array(color) + np.array(values["ambient"]) + shine * np.array(bright)
+            pictures.append(np.clip(colors, 0.0, 1.0))
+        yield np.stack(pictures)
+
+
+def _coarse_pictures(values, size):
+    """Where both coarse spheres are, bool [size, size], and their colours [n, 3]: of vectors that run
+    straight between vertices, so that they are short there, and of vectors that stay as long.
+    """
+    few = (
+        surfaces.sphere(*values["coarse"]).rotated(rotation("y", values["turn"])).rotated(rotation("x", TILT))
+    )
+    view = orthographic_view(row_of_panels(1, size)[0], half_height=1.0 / values["radius"])
+    hits = RayCaster(few.positions[few.triangles]).nearest(*primary_rays(view), 1.0)
+    found = hits.triangle >= 0
+    corners, weights = few.triangles[hits.triangle[found]], hits.barycentrics[found][..., None]
+    straight = (few.normals[corners] * weights).sum(axis=1)
+    toward = seen_places.unit(np.array(values["light"]))
+    half = seen_places.unit(toward + VIEWER)
+    out = []
+    for normals in (straight, seen_places.unit(straight)):
+        lit, shine = (np.maximum(normals @ v, 0.0)[:, None] for v in (toward, half))
+        colors = lit * np.array(values["diffuse"][-1]) + np.array(values["ambient"])
+        out.append(np.clip(colors + shine**8 * np.minimum(4.0 * lit, 1.0), 0.0, 1.0))
+    return found.reshape(size, size), np.stack(out)
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed spheres by their models in float64, beside those with one field's mean in its place."""
+    size, values = figure.size, figure.values
+    seen = seen_places.sphere(size, values["radius"], (("x", TILT),), 65.0, values["repeats"])
+    fine = list(_fine_pictures(values, seen))
+    round_, coarse = _coarse_pictures(values, size)
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        shares = [
+            least_share(
+                panel_of(window, k)[seen.where], *of, *(other[0] for other in fine if other is not of)
+            )
+            for k, of in enumerate(fine)
+        ]
+        shares += [
+            least_share(panel_of(window, 3 + k)[round_], coarse[k], coarse[1 - k], 0.0 * coarse[k])
+            for k in (0, 1)
+        ]
+        yield DATA.check(
+            "of what a material's fields and turning vectors change, the least share that is seen",
+            min(shares),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """Each model against its equation, and the coarse spheres' highlights against a round sphere's."""
+    yield from _displayed_checks(figure, renderer)
     size = 128
     plain = {"depth": 0.0, "spread": 0.0, "k_s": (1.0, 1.0), "exponents": (30.0, 30.0)}
     parameters = {**figure.values, **plain}
