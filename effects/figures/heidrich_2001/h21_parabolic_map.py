@@ -1,5 +1,7 @@
 """H21: a parabolic map, its two discs and the passes that draw with them."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
@@ -71,30 +73,35 @@ def two_units_scene(profile, size, **values):
     return _scene(profile, size, passes, **values)
 
 
-def _displayed_checks(figure, renderer):
-    """The displayed discs by the paraboloid's formula, and what mirrors and the room behind by rays."""
-    size, room = figure.size, environments.room
-    view, surface = (
-        reflecting.camera(row_of_panels(4, size)[3], figure.values["eye"]),
-        reflecting.ball_in_ring(size),
-    )
+@lru_cache(maxsize=1)
+def _by_rays(size, eye):
+    """Of parts of the panels: the panel's number, which pixels, bool [size, size], and the room there,
+    float64 [n, 3]. The discs by the paraboloid's formula, and what mirrors and the room behind by rays. The
+    last part is where the third panel lacks the first disc.
+    """
+    view, surface = reflecting.camera(row_of_panels(4, size)[3], eye), reflecting.ball_in_ring(size)
     toward, known = reflecting.reflections_by_rays(surface, view, 0.3)
     back, behind = reflecting.backdrop_by_rays(surface, view)
     x, y = pixel_grid(size, parabolic_maps.margin(reflecting.texels(size)) / 1.02)
     square = x * x + y * y
     discs = [np.stack([2.0 * x, 2.0 * y, z], axis=-1) for z in (square - 1.0, 1.0 - square)]
-    # Of each panel: which pixels, and directions into the room. The second disc has those towards +z.
+    # The second disc has the directions towards +z.
     parts = [(k, square < 0.97, discs[k]) for k in (0, 1)]
     parts += [(2, known & (toward[..., 2] > 0.1), toward), (3, known, toward)]
     parts += [(k, behind, back) for k in (2, 3)]
-    of_first = known & (toward[..., 2] < -0.3)
-    for on in Answer:
-        window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
-        for k, where, along in (*parts, (2, of_first, toward)):
-            true = np.minimum(room(along[where]), 1.0)
-            flat = np.broadcast_to(true.mean(axis=0), true.shape)
-            shares.append(least_share(panel_of(window, k)[where], true, flat))
-        *shares, beyond = shares
+    parts.append((2, known & (toward[..., 2] < -0.3), toward))
+    return [(k, where, np.minimum(environments.room(along[where]), 1.0)) for k, where, along in parts]
+
+
+def _displayed_checks(figure, renderer):
+    """The displayed room in the discs, mirrored and behind."""
+    size, parts = figure.size, _by_rays(figure.size, figure.values["eye"])
+    for on in (Answer.MACHINE, Answer.IDEAL):
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        *shares, beyond = (
+            least_share(panel_of(window, k)[where], true, np.broadcast_to(true.mean(axis=0), true.shape))
+            for k, where, true in parts
+        )
         yield DATA.check(
             "of the room in the discs, mirrored and behind, the least share that is seen", min(shares), on
         )

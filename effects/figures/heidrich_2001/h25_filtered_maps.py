@@ -1,5 +1,7 @@
 """H25: an environment map unfiltered, filtered by two of Phong's lobes (H29), and by a cosine."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
@@ -103,11 +105,12 @@ def _sums(cube, exponent, toward):
 _SOME = 96
 
 
-def _displayed_checks(figure, renderer):
-    """Some pixels of what mirrors, and of the room behind, by the room itself and sums over its texels."""
-    size, values = figure.size, figure.values
-    view = reflecting.camera(row_of_panels(4, size)[0], values["eye"])
-    surface = reflecting.ball_in_ring(size)
+@lru_cache(maxsize=1)
+def _by_rays(size, eye, narrow, wide):
+    """Some pixels of what mirrors, by their numbers, and what each panel shows there: a list of float64
+    [n, 3]. Some of the room behind, and its colours. By the room itself and sums over its texels.
+    """
+    view, surface = reflecting.camera(row_of_panels(4, size)[0], eye), reflecting.ball_in_ring(size)
     toward, known = reflecting.reflections_by_rays(surface, view)
     normals, _, _ = reflecting.normals_by_rays(surface, view)
     back, behind = reflecting.backdrop_by_rays(surface, view)
@@ -116,16 +119,18 @@ def _displayed_checks(figure, renderer):
     angles = np.broadcast_to(cube_maps.solid_angles(64), (6, 64, 64)).reshape(-1, 1)
     light = np.concatenate([environments.room(texels) * angles, angles], axis=-1)
     toward, normals = (vectors.reshape(-1, 3)[some] for vectors in (toward, normals))
-    true = [
-        np.minimum(environments.room(toward), 1.0),
-        reflecting.lobes(toward, texels, light, values["narrow"]),
-        reflecting.lobes(toward, texels, light, values["wide"]),
-        reflecting.lobes(normals, texels, light, 1.0),
-    ]
-    room = np.minimum(environments.room(back.reshape(-1, 3)[places]), 1.0)
+    lobes = ((toward, narrow), (toward, wide), (normals, 1.0))
+    true = [environments.room(toward), *(reflecting.lobes(v, texels, light, n) for v, n in lobes)]
+    return some, true, places, environments.room(back.reshape(-1, 3)[places])
+
+
+def _displayed_checks(figure, renderer):
+    """What mirrors, and the room behind, as displayed."""
+    values = figure.values
+    some, true, places, room = _by_rays(figure.size, *(values[name] for name in ("eye", "narrow", "wide")))
     flat_room = np.broadcast_to(room.mean(axis=0), room.shape)
-    for on in Answer:
-        window, shares = np.clip(renderer.window(on, figure, size), 0.0, 1.0), []
+    for on in (Answer.MACHINE, Answer.IDEAL):
+        window, shares = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0), []
         for k, whole in enumerate(true):
             panel = panel_of(window, k).reshape(-1, 3)
             flat = np.broadcast_to(whole.mean(axis=0), whole.shape)

@@ -125,29 +125,35 @@ def reference(size, *, index, roughnesses, environment, photograph, objects, det
 _SOME = 96
 
 
-def _displayed_checks(figure, renderer):
-    """Some pixels of the clear glass, and of the room behind all three, by the room itself."""
-    size, values = figure.size, figure.values
-    view, surface = camera(row_of_panels(3, size)[0]), glass.OBJECTS[values["objects"]](segments(size))
+@lru_cache(maxsize=1)
+def _by_rays(size, index, objects):
+    """Some pixels of the glass, by their numbers, and the light there that is mirrored, and that goes through
+    where the glass is clear; some of the room behind, and its colours. By the room itself.
+    """
+    view, surface = camera(row_of_panels(3, size)[0]), glass.OBJECTS[objects](segments(size))
     normals, eye, there = glass.surface_by_rays(surface, view)
     cosines = (normals * eye).sum(axis=-1)
     some = reflecting.some_of(there & (cosines > 0.2), 16 * _SOME)
     back, behind = reflecting.backdrop_by_rays(surface, view)
     places = reflecting.some_of(behind, 16 * _SOME)
     normals, eye, cosines = normals.reshape(-1, 3)[some], eye.reshape(-1, 3)[some], cosines.ravel()[some]
-    factor = glass.by_polarizations(cosines, values["index"])[:, None]
-    mirror = environments.room(2.0 * cosines[:, None] * normals - eye)
-    through = environments.room(bent(eye, normals, values["index"]))
-    whole = factor * mirror + (1.0 - factor) * through
-    room = environments.room(back.reshape(-1, 3)[places])
+    factor = glass.by_polarizations(cosines, index)[:, None]
+    mirror = factor * environments.room(2.0 * cosines[:, None] * normals - eye)
+    through = (1.0 - factor) * environments.room(bent(eye, normals, index))
+    return some, mirror, through, places, environments.room(back.reshape(-1, 3)[places])
+
+
+def _displayed_checks(figure, renderer):
+    """The clear glass, and the room behind all three, as displayed."""
+    of = _by_rays(figure.size, figure.values["index"], figure.values["objects"])
+    some, mirror, through, places, room = of
+    whole = mirror + through
     flat_glass, flat_room = (np.broadcast_to(c.mean(axis=0), c.shape) for c in (whole, room))
-    for on in Answer:
-        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+    for on in (Answer.MACHINE, Answer.IDEAL):
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
         panels = [panel_of(window, k).reshape(-1, 3) for k in range(3)]
-        clear = least_share(
-            panels[0][some], whole, flat_glass, factor * mirror, (1.0 - factor) * through, 0.0 * whole
-        )
-        shares = [clear, *(least_share(panel[places], room, flat_room) for panel in panels)]
+        shares = [least_share(panels[0][some], whole, flat_glass, mirror, through)]
+        shares += [least_share(panel[places], room, flat_room) for panel in panels]
         yield DATA.check(
             "of what the clear glass and the room behind change, the least share that is seen",
             min(shares),
