@@ -164,7 +164,8 @@ def checks(figure, renderer):
     # Within the cone, beside its edge: the smooth surface has none there.
     low, _, high = cone(slope, angle)
     edge = low + 0.1 * (high - low)
-    marks.append((1, views[1], BASE + 1.03 * RADIUS * edge / np.sqrt((edge * edge).sum()), VIOLET))
+    beside = BASE + 1.03 * RADIUS * edge / np.sqrt((edge * edge).sum())
+    marks += [(1, views[1], beside, VIOLET), (0, views[0], beside, BACKGROUND)]
     marks += [(k, view, BASE - FAR * np.array(incoming(angle)), BLUE) for k, view in enumerate(views)]
     yield from drawn_check(figure, renderer, marks)
 
