@@ -58,7 +58,8 @@ def shaded(textures, seen, light, gated=True, squared_first=False, eye=_EYE):
 def picture(textures, seen, values, *, color=1.0, gated=True, squared_first=False, eye=_EYE):
     """The displayed colours of ``shaded`` with a figure's own ``values``: float64 [n, 3].
 
-    ``color``: of the surface, by which diffuse and ambient light are multiplied, [n, 3].
+    ``color``: of the surface, by which diffuse and ambient light are multiplied, [n, 3]. ``eye``: as for
+    ``shaded``.
     """
     lit, specular = shaded(textures, seen, values["light"], gated, squared_first, eye)
     diffuse, ambient, strength = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
