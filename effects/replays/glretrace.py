@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -97,19 +97,26 @@ def run(shown: str, arguments: Sequence[str], *, threads: int = 2) -> str:
 def pictures(shown: str, path: str, calls: Iterable[int]) -> dict[int, NDArray[np.uint8]]:
     """Mesa's pictures at these calls of a trace, by the call: uint8 [h, w, 3], top row first.
 
-    A call for which glretrace writes no picture is left out. Raises GlretraceError.
+    A call for which glretrace writes no picture is left out. If glretrace ends early, the pictures that it
+    wrote before are returned. Raises GlretraceError if it then has none.
     """
     from PIL import Image
 
-    asked, found = sorted(set(calls)), {}
+    asked, found, failed = sorted(set(calls)), {}, None
     with tempfile.TemporaryDirectory() as folder:
         for first in range(0, len(asked), _MOST_CALLS):
             numbers = ",".join(map(str, asked[first : first + _MOST_CALLS]))
-            run(shown, ["-b", "-s", f"{folder}/", "-S", numbers, path])
+            try:
+                run(shown, ["-b", "-s", f"{folder}/", "-S", numbers, path])
+            except GlretraceError as error:
+                failed = error
+                break
         for file in Path(folder).glob("*.png"):
             if file.stem.isdecimal():
-                with Image.open(file) as picture:
+                with suppress(OSError), Image.open(file) as picture:  # the last one may be cut off
                     found[int(file.stem)] = np.array(picture.convert("RGB"))
+    if failed is not None and not found:
+        raise failed
     return found
 
 

@@ -1,6 +1,7 @@
 """Frames beside Mesa's pictures: shares, doubts, the calls that are compared; ``replay --beside mesa``."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -100,6 +101,31 @@ def said(*arguments):
     result = CliRunner().invoke(main, ["replay", *map(str, arguments)])
     assert result.exception is None or isinstance(result.exception, SystemExit), result.exc_info
     return result.exit_code, " ".join(result.output.split())
+
+
+@pytest.mark.parametrize("cut", [None, 40])
+def test_pictures_from_before_glretrace_failed_are_kept(cut, monkeypatch):
+    """Mesa may fail in a later frame; of the frame in which it fails, the file may be cut off."""
+
+    def run(shown, arguments):
+        folder = Path(arguments[arguments.index("-s") + 1])
+        for call in (7, 9):
+            Image.new("RGB", (2, 2), (call, 0, 0)).save(folder / f"{call}.png")
+        (folder / "9.png").write_bytes((folder / "9.png").read_bytes()[:cut])
+        raise glretrace.GlretraceError("glretrace ended with status -6.")
+
+    monkeypatch.setattr(glretrace, "run", run)
+    found = glretrace.pictures(":1", "a.trace", [7, 9])
+    assert sorted(found) == ([7] if cut else [7, 9]) and found[7][0, 0].tolist() == [7, 0, 0]
+
+
+def test_a_failure_without_a_picture_is_told(monkeypatch):
+    def run(shown, arguments):
+        raise glretrace.GlretraceError("glretrace ended with status -6.")
+
+    monkeypatch.setattr(glretrace, "run", run)
+    with pytest.raises(glretrace.GlretraceError, match="status -6"):
+        glretrace.pictures(":1", "a.trace", [7])
 
 
 def test_without_glretrace_a_sentence_says_how_to_get_it(tmp_path, monkeypatch):
