@@ -251,6 +251,7 @@ def answer(gl: Any, name: str, arguments: Sequence[Any]) -> tuple[Any, ...] | No
 
 # The allowed difference to another driver's matrices and colours, which have single precision.
 _NEAR = 1e-5
+_SINGLE = 1 << 23  # the places between a power of two and the next one in single precision
 
 
 def agrees(answered: tuple[Any, ...], recorded: Any) -> bool:
@@ -267,4 +268,7 @@ def _near(mine, other, near):
     if isinstance(mine, float) or isinstance(other, float):
         return abs(float(mine) - float(other)) <= near
     # GetIntegerv returns a mask of 32 bits as a signed integer.
-    return int(mine) & 0xFFFFFFFF == int(other) & 0xFFFFFFFF
+    if int(mine) & 0xFFFFFFFF == int(other) & 0xFFFFFFFF:
+        return True
+    # A fraction as an integer (table 4.7) is exact to the 24 bits of a GLfloat.
+    return abs(int(mine)) >= _SINGLE and abs(int(mine) - int(other)) * _SINGLE <= abs(int(mine))

@@ -268,6 +268,8 @@ def test_answers_agree_within_single_precision():
     assert agrees((0xFFFFFFFF,), [-1])
     assert agrees((True,), 1)
     assert not agrees((False,), 1)
+    assert agrees((429496729,), [429496735])  # 0.2 in double and in single precision
+    assert not agrees((429496729,), [429496929]) and not agrees((0x8452,), [0x8451])
     assert not agrees((math.nan,), [1.0])
 
 
