@@ -178,6 +178,8 @@ class Replay:
     def stop_drawing(self) -> None:
         """From now on draw and count nothing. Calls still change the state, and answers are compared."""
         self._drawing = False
+        if self._running is not None:
+            self._running.gl.drawing = False
         self.windows.count_in(Tally())
 
     def _take_window_call(self, call):
@@ -195,7 +197,7 @@ class Replay:
         """Let the commands of another context run from now on."""
         self.run_waiting()
         self._running = context
-        context.gl.behind = self
+        context.gl.behind, context.gl.drawing = self, self._drawing
 
     def run_waiting(self) -> None:
         """Run the waiting commands."""

@@ -74,7 +74,7 @@ def _draw_elements(gl, mode, elements: Elements):
     if elements.count < 0 or elements.first < 0:
         raise GLError(tokens.INVALID_VALUE, f"{elements.count} elements from element {elements.first}")
     count = drawn_count(mode, elements.count)
-    if not count:
+    if not count or gl.leaves_out_draws():
         return
     if "positions" not in elements.arrays:
         gl.tally.add("no effect", f"{gl.called} without a vertex array")

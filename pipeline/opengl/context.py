@@ -77,6 +77,7 @@ class Context:
         self.behind: Behind | None = None  # the machine, if calls may read its results in mid-frame
         self.samples_passed: dict[int, int] = {}  # the counts of occlusion queries, by name
         self.commands: list[Command] = []
+        self.drawing = True  # False: nobody wants commands any more, only the state
         self.current = Current()
         self.buffers = BufferBindings()
         self.arrays = ClientArrays()
@@ -180,6 +181,10 @@ class Context:
         NaN, and GLError for an unknown mode.
         """
         finish_primitive(self, mode, columns, indices)
+
+    def leaves_out_draws(self) -> bool:
+        """Whether primitives change nothing: nobody wants commands, and none are selected or fed back."""
+        return not self.drawing and self.values["render_mode"] == tokens.RENDER
 
     def select(self, mesh: Mesh) -> None:
         """Do what a draw of ``mesh`` does in selection or feedback."""

@@ -311,7 +311,7 @@ def end(gl):
 
 def draw_vertices(gl, mode, vertices):
     """Draw vertices in the form in which ``Begin`` and ``End`` collect them."""
-    if not vertices:
+    if not vertices or gl.leaves_out_draws():
         return
     positions, colors, normals, sets, secondary, fog, edges, weights = zip(*vertices, strict=True)
     needs = columns_read(gl)
@@ -393,7 +393,7 @@ def finish_primitive(gl, mode, columns, indices=None, counts=None):
     primitive = primitive_of(mode)
     count = len(columns["positions"] if indices is None else indices)
     whole = drawn_count(mode, count)
-    if not whole:
+    if not whole or gl.leaves_out_draws():
         return
     arrays = {}
     for name, column in columns.items():

@@ -171,12 +171,14 @@ _PLACES = {
 }
 _SETS = 3
 # Calls that only set current values or add vertices.
-_OF_VERTICES = ("Vertex", "Color", "Normal", "TexCoord", "MultiTexCoord", "SecondaryColor", "FogCoord")
-_OF_VERTICES += ("EdgeFlag", "ArrayElement")
+_OF_VERTICES = tuple(
+    ["gl" + stem for stem in ("Vertex", "Color", "Normal", "TexCoord", "MultiTexCoord", "SecondaryColor")]
+    + ["gl" + stem for stem in ("FogCoord", "EdgeFlag", "ArrayElement")]
+)
 
 
 def _gives_vertices(point):
-    return point.inside and point.name.startswith(tuple(["gl" + stem for stem in _OF_VERTICES]))
+    return point.inside and point.name.startswith(_OF_VERTICES)
 
 
 class _Column:
@@ -184,24 +186,23 @@ class _Column:
 
     def __init__(self, values, inherited):
         self.count = len(values)
-        self._which = None  # bool [n]: which vertices inherit; None: no vertex does
+        self._which = None  # bool [n]: which vertices inherit; None: all do, or none
         if len(set(map(id, values))) == 1:  # true for most attributes of most runs
             values = values[:1]
-        inherits = [value is inherited for value in values]
-        self.inherits = any(inherits)
-        if self.inherits:
-            self._which = np.broadcast_to(inherits, self.count)
         given = [value for value in values if value is not inherited]
+        self.inherits = len(given) < len(values)
+        if self.inherits and given:
+            self._which = np.array([value is inherited for value in values])
         self._given = np.array(given) if given else None
 
     def filled(self, current: Any) -> np.ndarray:
         """The column if ``current`` is the current value. Do not write into it."""
         if self._which is None:
-            return np.broadcast_to(self._given, (self.count, *self._given.shape[1:]))
+            given = np.asarray(current) if self.inherits else self._given
+            return np.broadcast_to(given, (self.count, *(given.shape if self.inherits else given.shape[1:])))
         column = np.empty((self.count, *np.shape(current)), np.asarray(current).dtype)
         column[self._which] = current
-        if self._given is not None:
-            column[~self._which] = self._given
+        column[~self._which] = self._given
         return column
 
 
@@ -224,7 +225,7 @@ class Run:
     def draw(self, gl) -> None:
         """Draw the vertices as Begin and End would now, and set the current values that the run sets."""
         try:
-            if drawn_count(self.mode, self.count):
+            if drawn_count(self.mode, self.count) and not gl.leaves_out_draws():
                 draw_mesh(gl, self._mesh(gl))
         finally:  # the calls have set their values, also where the machine refuses the draw
             self._leave(gl.current)

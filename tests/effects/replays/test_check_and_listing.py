@@ -1,12 +1,15 @@
 """The trace's own answers, and what a trace asks for."""
 
+import numpy as np
+
 from fixedpipe.effects.replays.check import Check
 from fixedpipe.effects.replays.listing import JUDGED_FRAMES, Listing, extension_of
+from fixedpipe.effects.replays.replay import Replay
 from fixedpipe.effects.replays.summary import is_refused, summary_data, summary_lines
 from fixedpipe.pipeline.opengl import tokens as T
 from fixedpipe.pipeline.opengl.outcomes import Tally
-from fixedpipe.pipeline.profiles import PROFILES
-from tests.effects.replays.programs import GREEN, RED, replayed, started
+from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
+from tests.effects.replays.programs import BLUE, GREEN, RED, replayed, started
 
 MACHINES = {key: profile for key, profile in PROFILES.items() if not profile.arithmetic.exact}
 
@@ -42,6 +45,48 @@ def test_what_depends_on_the_driver_is_not_compared():
     program.call("glGetIntegerv", T.MAX_TEXTURE_SIZE, [16384])
     program.call("glReadPixels", 0, 0, 1, 1, T.RGBA, T.UNSIGNED_BYTE, 1234)
     assert checked(program).compared == 0
+
+
+def test_of_maps_apitrace_records_one_value():
+    program = started().call("glMap2f", T.MAP2_VERTEX_3, 0.0, 1.0, 3, 2, 0.0, 1.0, 6, 2, [0.0] * 12)
+    program.call("glGetMapiv", T.MAP2_VERTEX_3, T.ORDER, [2])
+    program.call("glGetMapfv", T.MAP2_VERTEX_3, T.DOMAIN, [0.0])
+    program.call("glPixelMapfv", T.PIXEL_MAP_G_TO_G, 2, [0.0, 1.0])
+    program.call("glGetPixelMapfv", T.PIXEL_MAP_G_TO_G, [0.0])
+    assert str(checked(program)) == "3 of 3 recorded answers agree"
+    assert checked(program.call("glGetMapiv", T.MAP2_VERTEX_3, T.ORDER, [3])).differing == 1
+
+
+def test_bits_beyond_the_stencil_buffer_are_not_compared():
+    program = started().call("glGetIntegerv", T.STENCIL_VALUE_MASK, [255])
+    program.call("glGetIntegerv", T.STENCIL_WRITEMASK, [-1]).call("glStencilMask", 0x1F)
+    assert checked(program.call("glGetIntegerv", T.STENCIL_WRITEMASK, [0x1F])).differing == 0
+    assert checked(program.call("glGetIntegerv", T.STENCIL_WRITEMASK, [0x0F])).differing == 1
+
+
+def test_behind_the_last_frame_primitives_only_set_the_state():
+    """No mesh is made any more, whatever draws: vertices, lists, arrays. All answers are compared."""
+    program = started().call("glNewList", 1, T.COMPILE).rectangle(BLUE).call("glEndList").swap()
+    first = len(program.calls)
+    program.rectangle(RED).call("glGetFloatv", T.CURRENT_COLOR, list(RED))
+    program.call("glCallList", 1).call("glGetFloatv", T.CURRENT_COLOR, list(BLUE))
+    program.call("glVertexPointer", 2, T.FLOAT, 0, np.array([-1, -1, 1, -1, 0, 1], "<f4").tobytes())
+    program.call("glEnableClientState", T.VERTEX_ARRAY).call("glDrawArrays", T.TRIANGLES, 0, 3)
+    program.context(98).current(98).rectangle(RED).call("glGetFloatv", T.CURRENT_COLOR, list(RED))
+    program.call("glSelectBuffer", 64, [0] * 64).call("glRenderMode", T.SELECT, result=0)
+    program.call("glInitNames").call("glPushName", 1).rectangle(GREEN)
+    program.call("glRenderMode", T.RENDER, result=1)
+    check = Check()
+    replay = Replay(GEFORCE_256, check=check)
+    for call in program.calls[:first]:
+        replay.take(call)
+    replay.stop_drawing()
+    made = []
+    for call in program.calls[first:]:
+        replay.take(call)
+        gl = replay.windows.current_or_own(0).gl
+        made += gl.commands
+    assert not made and str(check) == "5 of 5 recorded answers agree"
 
 
 def test_lists_and_render_modes_are_compared():
