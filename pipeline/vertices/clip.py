@@ -126,12 +126,21 @@ def clip(triangles, columns, vertex_count, planes):
     return triangles[order], columns, origin[order], int(np.count_nonzero(~finite))
 
 
+def _all_inside(columns, planes):
+    """Whether no plane clips any vertex, which is true of most draws."""
+    if not all([np.all(np.isfinite(column)) for column in columns[CLIP]]):
+        return False
+    return all(np.all(plane(columns) >= 0) for plane in planes)
+
+
 def clip_lines(rows, columns, vertex_count, planes):
     """Clip lines or points, with the results of ``clip``; rows are those of ``assembly.split_lines``.
 
     A point outside a plane is discarded. A line's end outside a plane moves to the intersection, which is
     computed from the other end, as for triangles.
     """
+    if _all_inside(columns, planes):
+        return np.ascontiguousarray(rows, np.int32), columns, np.arange(len(rows)), 0
     ends = rows[:, [1, 0]].astype(np.int64)  # the first vertex, then the second
     finite = np.ones(len(rows), dtype=bool)
     for column in columns[CLIP]:

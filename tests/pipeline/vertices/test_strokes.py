@@ -29,7 +29,8 @@ from fixedpipe.pipeline.state import (
     WindowClip,
 )
 from fixedpipe.pipeline.validation.walk import UnsupportedState
-from fixedpipe.pipeline.vertices.assembly import boundary_edges
+from fixedpipe.pipeline.vertices.assembly import boundary_edges, split_lines
+from fixedpipe.pipeline.vertices.clip import VIEW_VOLUME_SIDES, clip_lines
 from fixedpipe.pipeline.vertices.stage import process
 from fixedpipe.pipeline.vertices.strokes import with_squares
 from tests.reference import strokes
@@ -351,3 +352,25 @@ def test_window_clip_keeps_what_is_in_any_rectangle_or_in_none(exclusive):
     inside = box(1, 5, 4, 7) | box(3, 0, 12, 6)
     expected = box(0, 0, WIDTH, HEIGHT) - inside if exclusive else inside
     assert set(zip(found.x.tolist(), found.y.tolist(), strict=True)) == expected
+
+
+@pytest.mark.parametrize("primitive", [PrimitiveType.LINES, PrimitiveType.LINE_LOOP, PrimitiveType.POINTS])
+def test_a_line_outside_changes_nothing_about_lines_inside(primitive):
+    """Lines that lie inside all planes take a short way; beside a line outside they take the long one."""
+    rows, _ = split_lines(primitive, [4], ProvokingVertex.LAST)
+    columns = [np.array([-0.5, 0.5, 0.25, -0.25, 9.0]), np.full(5, 0.5), np.zeros(5), np.ones(5)]
+    outside = np.concatenate([rows, [[4, 4, 4, 4]]])
+    with np.errstate(divide="ignore", invalid="ignore"):  # as the vertex stage does
+        short = clip_lines(rows.astype(np.int32), [c[:4] for c in columns], 4, VIEW_VOLUME_SIDES)
+        long = clip_lines(outside.astype(np.int32), columns, 5, VIEW_VOLUME_SIDES)
+    assert short[0].dtype == long[0].dtype and short[0].flags.c_contiguous
+    assert short[0].tolist() == long[0].tolist() == rows.tolist()
+    assert short[2].tolist() == long[2].tolist() and short[3] == long[3] == 0
+
+
+def test_infinite_coordinates_drop_a_line_that_no_plane_clips():
+    rows = np.array([[1, 0, 0, 1]], np.int32)
+    columns = [np.zeros(2), np.zeros(2), np.zeros(2), np.array([1.0, np.inf])]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kept, _, origin, dropped = clip_lines(rows, columns, 2, VIEW_VOLUME_SIDES)
+    assert (len(kept), len(origin), dropped) == (0, 0, 1)
