@@ -43,6 +43,11 @@ class Difference:
         return f"call {self.call}: {self.asked} is {self.ours}, recorded {self.recorded}"
 
 
+def _stencil_bits(mask):
+    """The bits of a recorded mask that the stencil buffer has; what is no mask stays as it is."""
+    return mask & _STENCIL if isinstance(mask, int) else mask
+
+
 @dataclass
 class Check:
     """Counts answers: ``compared`` ones, and ``differing`` ones among them. ``differences`` has the first of
@@ -70,10 +75,10 @@ class Check:
         recorded = call.arguments[-1] if call.result is None and call.arguments else call.result
         if recorded is None or isinstance(recorded, str | bytes):
             return
-        if call.name.startswith(_OF_ONE_VALUE) and isinstance(recorded, list):
-            answered = answered[: len(recorded)]
-        if call.arguments and call.arguments[0] in _STENCIL_MASKS and isinstance(only(recorded), int):
-            answered, recorded = (answered[0] & _STENCIL,), only(recorded) & _STENCIL
+        if call.name.startswith(_OF_ONE_VALUE):
+            answered = answered[:1]
+        if call.arguments and call.arguments[0] in _STENCIL_MASKS:
+            answered, recorded = (_stencil_bits(answered[0]),), _stencil_bits(only(recorded))
         self._count(call, answered, recorded)
 
     def _count_samples(self, call, ours):
