@@ -15,6 +15,7 @@ _SCENES = {
     "f3": 1.5,
     "g": 3.0,
     "h": 2.0,
+    "i": 1.2,
 }
 # What was asked of a Zen 5 with all of its vectors before, and is more.
 _ZEN_5_WHOLE = {"b": 2.2, "b2": 2.2}
