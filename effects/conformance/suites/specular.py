@@ -43,7 +43,8 @@ UNPROJECT = {
     "FF": partial(lit_scenes.unproject, z=1.0 - lit_scenes.EYE_DISTANCE),
     "VS": partial(vertex_programs.unproject, z=1.0),
 }
-# Measured: rows 1 to 3 of ControlFlags_VS. What moves the place between rows is not known; row 0 is black.
+# Fitted to rows 1 to 3 of the capture ControlFlags_VS; row 0 is black. What moves the place between rows is
+# not known, so of each row's 16 vertices one number is not predicted.
 FIRST_PLACES = (0, 3, 4, 4)
 
 
