@@ -45,7 +45,7 @@ LARGEST_OFFSET = 2.0**24  # in units: float64 adds larger ones
 _LEAST = 2.0**-34  # of depths and of their differences, but zero: times a weight they are above 2**-76
 _MOST = 2.0**25  # of them: a unit is then a fraction
 _LEAST_DEPTH = 2.0**-3  # not below any unit: float64's sums of such depths are exact
-_BELOW_TWO = 2.0 - 2.0**-20
+_ALL_ONES = 1.0 - 2.0**-24  # the largest depth below a unit
 _NONE = 2.0**-90  # below all of these
 _ONE, _PLACES = 127, 23  # exponent field of 1, and where it is
 _SEED_BITS, _BITS, _UPPER = 14, 29, 24  # of a seed, a reciprocal, and a float32
@@ -102,11 +102,10 @@ def is_depth(z):
     """Whether words have the floor of the exact sum though float64 rounds that, which adds a vertex's depth
     first.
 
-    It rounds only where the unit is above the depth: then the sum's 53 bits do not reach the depth's last
-    one. So with a positive depth that is not within 2**-20 of the next power of two, the sum lies farther
-    from the next whole number than it is rounded by.
+    It rounds only where the unit is above the depth, and then ``depths_by_largest`` sees where the floor is
+    another. Below zero it would have to look at each addition.
     """
-    return z == 0.0 or _LEAST_DEPTH <= abs(z) <= _MOST or _LEAST <= z <= _BELOW_TWO * power_below(z)
+    return z == 0.0 or _LEAST <= z <= _MOST or _LEAST_DEPTH <= -z <= _MOST
 
 
 @kernel(inlined=True)
@@ -233,6 +232,9 @@ def depths_by_largest(numbers, at, first, second):
     """Depths cut to 24 bits from two weights: each in the unit of its largest term.
 
     Of the base's own depth the floor is enough: what it lacks is less than a unit, and a unit is a fraction.
+    Float64 rounds a sum from 2**29 units on to a multiple of 2**-23, and so that of _ALL_ONES up to the next
+    whole number of units. This is the only depth for which it does: the others below a unit are farther from
+    it, and the sums of larger ones are exact.
     """
     d_first, d_second = single(numbers, at + FIRST), single(numbers, at + SECOND)
     a, b = first * d_first, second * d_second
@@ -241,7 +243,9 @@ def depths_by_largest(numbers, at, first, second):
     scale = singles_of_bits(int32((2 * _ONE + 28) << _PLACES) - largest)
     of_a = to_int32(a * scale) + to_int32(rest_a * scale)
     of_b = to_int32(b * scale) + to_int32(rest_b * scale)
-    total = (to_int32(floored(single(numbers, at + DEPTH) * scale)) + of_a) + of_b
+    own, total = single(numbers, at + DEPTH) * scale, of_a + of_b
+    up = (own == float32(_ALL_ONES)) & (total >= int32(1 << 29))
+    total = total + select(up, i32x16(1), to_int32(floored(own)))
     return to_float32(total) * singles_of_bits(largest - int32(28 << _PLACES))
 
 

@@ -41,7 +41,7 @@ def depths(draw):
         st.floats(0, 1),
         st.floats(0.9, 1),
         st.integers(0, 30).map(lambda k: 2.0**-k),
-        st.sampled_from([0.0, 1.0, 1e-16, -1e-16, 3e-14, -3e-14, 1e-7]),
+        st.sampled_from([0.0, 1.0, 1e-16, -1e-16, 3e-14, -3e-14, 1e-7, 2.0**-53, 2.0**-50]),
         st.integers(-3, 3).map(lambda k: 0.7 + k * 2.0**-23),
     )
     sign = draw(st.sampled_from([1, 1, 1, 1, -1]))
@@ -73,6 +73,14 @@ def kept(area, exact, of):
 @example(  # a near plane's depth, which float64 rounds away beside the others
     ((2.0**30 + 5.0, 2.0**20 + 1.0, 6.0), (-900000.0, 4.0, 899996.0), 90, None),
     Depths((single(1.5e-8), single(0.9 * MOST), single(0.97 * MOST)), 0.0, 0.0, MOST),
+)
+@example(  # what clipping leaves at the near plane, its 24 bits all ones
+    ((2.0**30 - 2.0**10, 600.0, 424.0), (-400000.0, 200001.0, 199999.0), 90, None),
+    Depths((MOST * 2.0**-53, 2.0**20, 2.0**21 - 1.0), 0.0, 0.0, MOST),
+)
+@example(  # a sum that float64 rounds up to a whole number of units
+    ((105280007.0, 31146643125.0, 2867499513.0), (0.0, -2.0, 2.0), 200, None),
+    Depths((single(324.08273), MOST * 2.0**-52, single(23.797335)), 0.0, 0.0, MOST),
 )
 @example(  # below zero beside a whole sum
     ((2.0**20, 2.0**19, 2.0**19), (0.0, 0.0, 0.0), 1, None),
@@ -161,8 +169,8 @@ def test_some_triangles_are_left_to_float64():
     assert kept(2**30, True, usual._replace(vertices=(2.0**-40, 1.0, 2.0))) is None
     # float64 loses a part of such a depth, and float32 does not
     assert kept(1024, True, usual._replace(vertices=(-(2.0**-34), 2.0**21, 2.0**21))) is None
-    assert kept(657, True, usual._replace(vertices=(4628119.5, 0.007812499534338713, 11848311.0))) is None
     assert kept(2**30, True, usual._replace(vertices=(single(1.5e-8), 2.0**21, 2.0**21))) is not None
+    assert kept(2**30, True, usual._replace(vertices=(MOST * 2.0**-53, 2.0**21, 2.0**21))) is not None
     assert kept(2**30, True, usual._replace(low=np.nan)) is None
     assert kept(2**30, True, usual._replace(high=np.nan)) is None
     assert kept(2**30, True, usual._replace(vertices=(2.0**26, 1.0, 2.0))) is None
