@@ -15,16 +15,23 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-_ROUNDING = 0x6000  # of MXCSR: the field of the rounding mode; all of it set: toward zero
+# The fields of the rounding mode; all of one set: toward zero.
+_MXCSR_ROUNDING = 0x6000  # Source: x86-64's MXCSR.RC
+_FPCR_ROUNDING = 0xC00000  # Source: AArch64's FPCR.RMode
+_WORD, _LONG = ir.IntType(32), ir.IntType(64)
+
+
+def is_arm(triple):
+    """Whether code is for AArch64, which Apple calls arm64."""
+    return triple.startswith(("aarch64", "arm64"))
 
 
 def cuts(triple, features):
-    """Whether code for a processor may use ``toward_zero``: x86-64 with a fused product and sum.
+    """Whether code for a processor may use ``toward_zero``: AArch64, or x86-64 with a fused product and sum.
 
-    Without one the rests that leaves compute would be calls of a library, and elsewhere than on x86-64 the
-    mode is set in another way.
+    Without one the rests that leaves compute would be calls of a library. AArch64 always has it.
     """
-    return triple.startswith("x86_64") and "+fma" in features.split(",")
+    return is_arm(triple) or (triple.startswith("x86_64") and "+fma" in features.split(","))
 
 
 @intrinsic
@@ -57,16 +64,14 @@ def toward_zero(typing_context, leaf, arguments):
         ]
         triple, _name, features = context.codegen().magic_tuple()
         if cuts(triple, features):
-            before, during = (cgutils.alloca_once(builder, ir.IntType(32)) for _ in range(2))
-            _control(builder, "llvm.x86.sse.stmxcsr", before)
-            mode = builder.or_(builder.load(before), ir.Constant(ir.IntType(32), _ROUNDING))
-            builder.store(mode, during)
-            _control(builder, "llvm.x86.sse.ldmxcsr", during)
+            get, set_, rounding = _ON_ARM if is_arm(triple) else _ON_X86
+            before = get(builder)
+            set_(builder, builder.or_(before, before.type(rounding)))
         status, result = context.call_conv.call_function(
             builder, function, found.fndesc.restype, found.fndesc.argtypes, values
         )
         if cuts(triple, features):
-            _control(builder, "llvm.x86.sse.ldmxcsr", before)
+            set_(builder, before)
         with cgutils.if_unlikely(builder, status.is_error):
             context.call_conv.return_status_propagate(builder, status)
         return context.get_dummy_value() if called.return_type == types.void else result
@@ -74,8 +79,31 @@ def toward_zero(typing_context, leaf, arguments):
     return called.return_type(leaf, arguments), codegen
 
 
-def _control(builder, name, word):
-    """Store the mode in a word, or take it from there."""
-    pointer = builder.bitcast(word, ir.IntType(8).as_pointer())
-    function = ir.FunctionType(ir.VoidType(), [pointer.type])
-    builder.call(cgutils.get_or_insert_function(builder.module, function, name), [pointer])
+def _called(builder, name, returned, *values):
+    """What an intrinsic of LLVM returns."""
+    function = ir.FunctionType(returned, [value.type for value in values])
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), values)
+
+
+def _mxcsr(builder):
+    place = cgutils.alloca_once(builder, _WORD)
+    _called(builder, "llvm.x86.sse.stmxcsr", ir.VoidType(), builder.bitcast(place, cgutils.voidptr_t))
+    return builder.load(place)
+
+
+def _set_mxcsr(builder, word):
+    place = cgutils.alloca_once_value(builder, word)
+    _called(builder, "llvm.x86.sse.ldmxcsr", ir.VoidType(), builder.bitcast(place, cgutils.voidptr_t))
+
+
+def _fpcr(builder):
+    return _called(builder, "llvm.aarch64.get.fpcr", _LONG)
+
+
+def _set_fpcr(builder, word):
+    _called(builder, "llvm.aarch64.set.fpcr", ir.VoidType(), word)
+
+
+# How the control word is read and set, and its field.
+_ON_X86 = (_mxcsr, _set_mxcsr, _MXCSR_ROUNDING)
+_ON_ARM = (_fpcr, _set_fpcr, _FPCR_ROUNDING)

@@ -5,6 +5,7 @@ import importlib
 import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -17,11 +18,43 @@ from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import PassState, VertexState, Viewport
 from fixedpipe.raster import kernel as kernels
 from fixedpipe.raster.kernel import kernel, separate_function
-from fixedpipe.raster.vector.rounding import cuts, toward_zero
+from fixedpipe.raster.vector.rounding import cuts, is_arm, toward_zero
 
 RASTER = Path(kernels.__file__).parent
 TRIPLE, _NAME, FEATURES = cpu_target.target_context.codegen().magic_tuple()
-needs_cutting = pytest.mark.skipif(not cuts(TRIPLE, FEATURES), reason="x86-64 with FMA alone cuts")
+needs_cutting = pytest.mark.skipif(
+    not cuts(TRIPLE, FEATURES), reason="AArch64 and x86-64 with FMA alone cut"
+)
+
+
+class Words(NamedTuple):
+    """How a processor's machine code is read: patterns of instructions."""
+
+    comment: str
+    leaves: str  # a call, a jump out of the kernel, or an interrupt
+    calls: str
+    sets: str  # the rounding mode
+    neither: str  # computes nor reads the rounding mode
+    rounds: str  # floats
+
+
+X86 = Words(
+    comment="#",
+    leaves=r"call|j\w+\s+[^.]|syscall|int",
+    calls="call",
+    sets=r".*ldmxcsr",
+    neither=r"call|v?mov|lea|push|vzeroupper|add|sub|xor|test",
+    rounds=r"v?(add|sub|mul|div|cvt|fm)\w*[sp][sd]$",
+)
+ARM = Words(
+    comment="//",
+    leaves=r"blr?\b|br\b|b(\.\w+)?\s+[^.]|svc|brk",
+    calls=r"blr?$",
+    sets=r"msr\s+FPCR",
+    neither=r"blr?$|f?mov[kznip]?$|adrp?$|ldu?[rp]b?$|stu?[rp]b?$|add$|sub$|orr$",
+    rounds=r"f(add|sub|n?mul|div|cvt|n?madd|n?msub|ml|rint)|[su]cvtf",
+)
+WORDS = ARM if is_arm(TRIPLE) else X86
 
 
 def pairs():
@@ -51,7 +84,7 @@ def instructions(dispatcher):
     (text,) = again.inspect_asm().values()
     start = re.search(rf"^_ZN(?!7cpython)\S*{len(again.__name__)}{again.__name__}\S*:$", text, re.MULTILINE)
     body = text[start.end() : text.index(".Lfunc_end", start.end())]
-    lines = (line.split("#")[0].strip() for line in body.splitlines())
+    lines = (line.split(WORDS.comment)[0].strip() for line in body.splitlines())
     return [line for line in lines if line and not line.startswith(".") and not line.endswith(":")]
 
 
@@ -64,20 +97,18 @@ def test_some_kernels_round_toward_zero():
 def test_a_leaf_calls_nothing(module, name, leaf):
     code = instructions(getattr(importlib.import_module(module), leaf))
     assert len(code) > 20
-    leaving = [line for line in code if re.match(r"(call|j\w+\s+[^.]|syscall|int)", line)]
-    assert not leaving
+    assert not [line for line in code if re.match(WORDS.leaves, line)]
 
 
 @needs_cutting
 @pytest.mark.parametrize(("module", "name", "leaf"), PAIRS, ids=[name for _, name, _ in PAIRS])
 def test_while_the_mode_is_set_nothing_but_the_leaf_computes(module, name, leaf):
     code = instructions(getattr(importlib.import_module(module), name))
-    set_, restored = (k for k, line in enumerate(code) if "ldmxcsr" in line)
+    set_, restored = (k for k, line in enumerate(code) if re.match(WORDS.sets, line))
     between = [line.split()[0] for line in code[set_ + 1 : restored]]
-    assert sum(word.startswith("call") for word in between) == 1
-    others = [word for word in between if not re.match(r"call|v?mov|lea|push|vzeroupper|add|sub|xor", word)]
-    assert not others
-    assert not [word for word in between if re.match(r"v?(add|sub|mul|div|cvt|fm)\w*[sp][sd]$", word)]
+    assert sum(bool(re.match(WORDS.calls, word)) for word in between) == 1
+    assert not [word for word in between if not re.match(WORDS.neither, word)]
+    assert not [word for word in between if re.match(WORDS.rounds, word)]
 
 
 def modes():
@@ -155,7 +186,9 @@ def test_threads_that_draw_round_to_nearest_and_agree():
         ("x86_64-unknown-linux-gnu", "+avx2,+fma", True),
         ("x86_64-unknown-linux-gnu", "", False),
         ("x86_64-unknown-linux-gnu", "+avx,-fma,+fma4", False),
-        ("aarch64-unknown-linux-gnu", "+fma", False),
+        ("aarch64-unknown-linux-gnu", "-aes,-sve", True),
+        ("arm64-apple-darwin", "+neon", True),
+        ("riscv64-unknown-linux-gnu", "+fma", False),
     ],
 )
 def test_processors_that_cut(triple, features, may):
