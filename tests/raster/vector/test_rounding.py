@@ -22,9 +22,7 @@ from fixedpipe.raster.vector.rounding import cuts, is_arm, toward_zero
 
 RASTER = Path(kernels.__file__).parent
 TRIPLE, _NAME, FEATURES = cpu_target.target_context.codegen().magic_tuple()
-needs_cutting = pytest.mark.skipif(
-    not cuts(TRIPLE, FEATURES), reason="AArch64 and x86-64 with FMA alone cut"
-)
+needs_cutting = pytest.mark.skipif(not cuts(TRIPLE, FEATURES), reason="AArch64 and x86-64 with FMA alone cut")
 
 
 class Words(NamedTuple):
