@@ -67,6 +67,7 @@ def outlined(triangles, boundary, x, y, inverse_w, polygon):
     - ``inverse_w``: float64 [n].
 
     A triangle without area faces as a counter-clockwise one does. Measured: Front_face FrontFace_LM captures.
+    It is not culled if two of its corners coincide. Measured: W_param w_gaps, the lines between its quads.
     Each negative w turns a triangle. Measured: W_param w_neg_strip captures.
     """
     corner_x, corner_y = x[triangles[:, :3]].astype(np.int64), y[triangles[:, :3]].astype(np.int64)
@@ -76,6 +77,8 @@ def outlined(triangles, boundary, x, y, inverse_w, polygon):
     front = counter_clockwise == (polygon.front_face == FrontFace.CCW)
     mode = np.where(front, polygon.front_mode, polygon.back_mode)
     culled = {None: front & False, Face.FRONT: front, Face.BACK: ~front}.get(polygon.cull_face, front | True)
+    meeting = (corner_x == np.roll(corner_x, 1, axis=1)) & (corner_y == np.roll(corner_y, 1, axis=1))
+    culled &= ~meeting.any(axis=1)
 
     rows = np.repeat(triangles[:, None], 3, axis=1)
     drawn = np.zeros((len(triangles), 3), bool)

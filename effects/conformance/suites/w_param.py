@@ -1,7 +1,8 @@
 """W_param: clip coordinates w that are zero, infinite, tiny, huge or negative; the clamped reciprocal RCC.
 
 Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests. Assumed: in w_gaps, whose program makes separate
-triangles of a strip, each has the strip's order of corners.
+triangles of a strip, each has the strip's order of corners. Inferred, from w_gaps: these have a w of 1, since no
+line of theirs leads through infinity.
 """
 
 from dataclasses import replace
@@ -219,7 +220,7 @@ def _strips(drawn, perspective):
     vertices = _gaps()
     yield from _strip(vertices, perspective, outlined=True)
     (right, down), apart = SHIFT, _triangles(vertices)
-    moved = [(float(np.float32(x) + np.float32(right)), y + down, w, color) for x, y, w, color in apart]
+    moved = [(float(np.float32(x) + np.float32(right)), y + down, 1.0, color) for x, y, _, color in apart]
     yield from _strip(moved, perspective, PrimitiveType.TRIANGLES, outlined=True)
 
 
@@ -240,9 +241,8 @@ def _zero(shape, perspective):
     yield replace(drawn, state=replace(polygon, blending=scenes.BLENDED, depth_clamp=None))
 
 
-# Measured: the chip outlines triangles between the quads whose w is 0 or infinite, and of the separate ones
-# it leaves out some that are outlined here (w_gaps).
-OUTLINES = "which outlines of triangles through infinity, or without an area, the chip draws is open"
+# Measured: two lines of the upper row lead over quads of the lower one, which is filled later (w_gaps).
+OUTLINES = "when the chip draws an outline that leads through infinity is open"
 
 
 def _strip_case(drawn, perspective):

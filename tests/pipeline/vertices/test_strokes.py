@@ -156,6 +156,14 @@ def test_a_triangle_without_area_faces_as_a_counter_clockwise_one(front_face):
     assert turned != drawn
 
 
+@pytest.mark.parametrize("corners", [(0, 0, 1), (0, 1, 1), (0, 1, 0), (0, 0, 0)])
+@pytest.mark.parametrize("cull_face", Face)
+def test_a_triangle_two_of_whose_corners_coincide_is_never_culled(corners, cull_face):
+    mesh = Mesh(np.array([(4.0, 1.0), (4.0, 7.0)])[list(corners)], PrimitiveType.TRIANGLES)
+    state = replace(PROGRAMMED, polygon=replace(OUTLINES, cull_face=cull_face))
+    assert len(process(mesh, state, NV2A, WIDTH, HEIGHT).triangles) == 3
+
+
 def test_a_line_is_clipped_at_the_near_plane_and_a_point_beyond_it_is_discarded():
     through = [[-1.0, 0.0, 0.0, 1.0], [1.0, 0.0, -2.0, 1.0]]
     got = process(Mesh(through, PrimitiveType.LINES), PassState(), GEFORCE_256, WIDTH, HEIGHT)

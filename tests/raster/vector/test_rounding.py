@@ -49,7 +49,7 @@ ARM = Words(
     leaves=r"blr?\b|br\b|b(\.\w+)?\s+[^.]|svc|brk",
     calls=r"blr?$",
     sets=r"msr\s+FPCR",
-    neither=r"blr?$|f?mov[kznip]?$|adrp?$|ldu?[rp]b?$|stu?[rp]b?$|add$|sub$|orr$",
+    neither=r"blr?$|f?mov[kznip]?$|adrp?$|ldu?[rp]b?$|stu?[rp]b?$|add$|sub$|orr$|cmp$",
     rounds=r"f(add|sub|n?mul|div|cvt|n?madd|n?msub|ml|rint)|[su]cvtf",
 )
 WORDS = ARM if is_arm(TRIPLE) else X86
