@@ -1,8 +1,8 @@
 """W_param: clip coordinates w that are zero, infinite, tiny, huge or negative; the clamped reciprocal RCC.
 
 Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests. Assumed: in w_gaps, whose program makes separate
-triangles of a strip, each has the strip's order of corners. Inferred: these have a w of 1, since none of their
-lines leads through infinity (w_gaps).
+triangles of a strip, each has the strip's order of corners. Inferred: these have a w of 1, since none of
+their lines leads through infinity (w_gaps).
 """
 
 from dataclasses import replace
