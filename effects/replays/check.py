@@ -13,7 +13,7 @@ from typing import Any
 from fixedpipe.effects.replays.windows import only
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.context import Context
-from fixedpipe.pipeline.opengl.queries import agrees, answer
+from fixedpipe.pipeline.opengl.queries import agrees, answer, is_computed
 from fixedpipe.pipeline.traces.calls import Call
 
 # Calls that return an answer and are not queries.
@@ -98,7 +98,7 @@ class Check:
     def _count(self, call, answered, recorded):
         self.compared += 1
         try:
-            same = agrees(answered, recorded)
+            same = agrees(answered, recorded, is_computed(call.name, call.arguments))
         except (TypeError, ValueError):
             same = False
         if same:

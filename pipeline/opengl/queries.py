@@ -37,6 +37,10 @@ _STIPPLE_EDGE = 32
 _LARGEST = 2**31 - 1
 
 
+class FractionAsInteger(int):
+    """A fraction as an integer (table 4.7): another driver has it to the 24 bits of a GLfloat."""
+
+
 def _integer(value, fraction):
     """A number as an integer (section 6.1.2, table 4.7)."""
     if isinstance(value, bool | int):
@@ -45,7 +49,8 @@ def _integer(value, fraction):
         return 0
     if fraction:
         value = ((2.0**32 - 1.0) * value - 1.0) / 2.0
-    return int(min(max(math.floor(value + 0.5), -_LARGEST - 1), _LARGEST))
+    made = FractionAsInteger if fraction else int
+    return made(min(max(math.floor(value + 0.5), -_LARGEST - 1), _LARGEST))
 
 
 _CONVERSIONS: dict[str, Callable[[Any, bool], Any]] = {
@@ -249,26 +254,39 @@ def answer(gl: Any, name: str, arguments: Sequence[Any]) -> tuple[Any, ...] | No
     return given if isinstance(given, tuple) else (given,)
 
 
-# The allowed difference to another driver's matrices and colours, which have single precision.
-_NEAR = 1e-5
-_SINGLE = 1 << 23  # the places between a power of two and the next one in single precision
+# What OpenGL computes: two drivers that add and multiply in single precision differ by some of its last bits.
+_COMPUTED = frozenset(
+    value
+    for name, value in vars(tokens).items()
+    if name.endswith("_MATRIX")
+    or name.startswith("CURRENT_RASTER_")
+    or name in ("POSITION", "SPOT_DIRECTION", "EYE_PLANE")
+)
+_NEAR = 1e-5  # of the largest number beside it: some 80 last bits of single precision, for chains of products
+_SINGLE = 2.0**-23  # from a number to the next one in single precision, at most
 
 
-def agrees(answered: tuple[Any, ...], recorded: Any) -> bool:
-    """Whether a trace's recorded answer, a number or a list, agrees with the result of ``answer``."""
+def is_computed(name: str, arguments: Sequence[Any]) -> bool:
+    """Whether OpenGL computes the answer of a query: a matrix, or what a matrix transformed."""
+    return name == "glGetClipPlane" or any(isinstance(t, int) and t in _COMPUTED for t in arguments)
+
+
+def agrees(answered: tuple[Any, ...], recorded: Any, computed: bool = False) -> bool:
+    """Whether a trace's recorded answer, a number or a list, agrees with the result of ``answer``.
+
+    Integers are equal. What a program gave as a number, or as a fraction, has been rounded to single
+    precision; what is ``computed`` may lie further away.
+    """
     numbers = recorded if isinstance(recorded, list) else [recorded]
     if len(numbers) < len(answered):
         return False
     scale = max((abs(float(value)) for value in answered), default=0.0)
-    near = _NEAR * max(scale, 1.0)
+    near = _NEAR * max(scale, 1.0) if computed else 0.0
     return all(_near(mine, other, near) for mine, other in zip(answered, numbers, strict=False))
 
 
 def _near(mine, other, near):
-    if isinstance(mine, float) or isinstance(other, float):
-        return abs(float(mine) - float(other)) <= near
+    if isinstance(mine, float | FractionAsInteger) or isinstance(other, float):
+        return abs(float(mine) - float(other)) <= max(near, _SINGLE * abs(float(mine)))
     # GetIntegerv returns a mask of 32 bits as a signed integer.
-    if int(mine) & 0xFFFFFFFF == int(other) & 0xFFFFFFFF:
-        return True
-    # A fraction as an integer (table 4.7) is exact to the 24 bits of a GLfloat.
-    return abs(int(mine)) >= _SINGLE and abs(int(mine) - int(other)) * _SINGLE <= abs(int(mine))
+    return int(mine) & 0xFFFFFFFF == int(other) & 0xFFFFFFFF

@@ -3,10 +3,12 @@
 import re
 from contextlib import contextmanager
 
+import numpy as np
+
 from fixedpipe.effects.replays.replay import Replay
 from fixedpipe.effects.replays.targets import Target
 from fixedpipe.pipeline.opengl import tokens
-from fixedpipe.pipeline.opengl.queries import agrees, answer
+from fixedpipe.pipeline.opengl.queries import agrees, answer, is_computed
 from fixedpipe.pipeline.traces.calls import Trace
 
 # Names that a dump has, and ours, where these are others and more than a vendor's suffix is missing.
@@ -41,6 +43,11 @@ _NAMES = re.compile(
 )
 # NV_texture_env_combine4's fourth term begins as ZERO and ONE_MINUS_SRC_COLOR or _ALPHA; Mesa's does not.
 _FOURTH = re.compile(r"GL_(SOURCE|OPERAND)3_(RGB|ALPHA)_NV")
+
+
+def _printed(value):
+    """A number as a dump has it: floats are in single precision, and have seven decimal digits."""
+    return float(f"{np.float32(value):.7g}") if isinstance(value, float) else value
 
 
 class _Idle(Target):
@@ -140,7 +147,8 @@ class Comparison:
                 ours, numbers = (int(ours[0]) & _PLANES,), int(numbers) & _PLANES
             elif _NAMES.fullmatch(name):
                 ours, numbers = (bool(ours[0]),), bool(numbers)
+            ours = tuple(_printed(value) for value in ours)
             self.compared += 1
             self.asked.add(name)
-            if not agrees(ours, numbers):
+            if not agrees(ours, numbers, is_computed(query, [token])):
                 self.differing.append((f"{where} {name}".strip(), ours, value))

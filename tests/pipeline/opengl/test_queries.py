@@ -7,7 +7,7 @@ import pytest
 
 from fixedpipe.pipeline.opengl import tokens as t
 from fixedpipe.pipeline.opengl.extensions import extensions
-from fixedpipe.pipeline.opengl.queries import agrees, answer
+from fixedpipe.pipeline.opengl.queries import agrees, answer, is_computed
 from fixedpipe.pipeline.opengl.state_variables import LIMITS, STATE
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.traces.calls import Trace
@@ -260,17 +260,41 @@ def test_an_answer_changes_nothing_and_leaves_limits_out():
     assert gl.GetError() == t.INVALID_VALUE
 
 
-def test_answers_agree_within_single_precision():
-    assert agrees((1.0, 2.0), [1.0, 2.00001])
-    assert not agrees((1.0, 2.0), [1.0, 2.001])
+def test_answers_agree_by_what_they_are():
+    assert agrees((1.0, 2.0), [1.0, 2.00001], computed=True)
+    assert not agrees((1.0, 2.0), [1.0, 2.001], computed=True)
+    assert not agrees((1.0, 2.0), [1.0, 2.00001])  # a number that the program gave
+    assert agrees((0.1, 0.7), [float(np.float32(0.1)), float(np.float32(0.7))])
     assert not agrees((1.0, 2.0), [1.0])
     assert agrees((3,), [3, 0, 0, 0])
     assert agrees((0xFFFFFFFF,), [-1])
     assert agrees((True,), 1)
     assert not agrees((False,), 1)
-    assert agrees((429496729,), [429496735])  # 0.2 in double and in single precision
-    assert not agrees((429496729,), [429496929]) and not agrees((0x8452,), [0x8451])
     assert not agrees((math.nan,), [1.0])
+    # Whole numbers are equal, however large they are.
+    assert not agrees((0x8452,), [0x8451]) and not agrees((429496729,), [429496735])
+
+
+def test_a_fraction_as_an_integer_agrees_within_single_precision():
+    gl = context()
+    gl.ClearColor(0.2, 0.2, 0.2, 0.0)
+    found = answer(gl, "glGetIntegerv", [t.COLOR_CLEAR_VALUE, None])
+    assert agrees(found, [429496735, 429496729, 429496729, 0])  # 0.2 in single and in double precision
+    assert not agrees(found, [429496929, 429496729, 429496729, 0])
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "computed"),
+    [
+        ("glGetFloatv", [t.MODELVIEW_MATRIX], True),
+        ("glGetLightfv", [t.LIGHT0, t.POSITION], True),
+        ("glGetClipPlane", [t.CLIP_PLANE0], True),
+        ("glGetFloatv", [t.FOG_DENSITY], False),
+        ("glGetLightfv", [t.LIGHT0, t.DIFFUSE], False),
+    ],
+)
+def test_what_opengl_computes(name, arguments, computed):
+    assert is_computed(name, arguments) == computed
 
 
 @pytest.mark.needs_shared
@@ -289,6 +313,10 @@ def test_the_answers_that_traces_recorded(shared):
                 gl.commands.clear()
                 if found is not None and call.arguments[0] != t.READ_BUFFER:
                     recorded = call.arguments[-1] if call.name.startswith("glGet") else call.result
-                    assert agrees(found, recorded), (path.name, call, found)
+                    assert agrees(found, recorded, is_computed(call.name, call.arguments)), (
+                        path.name,
+                        call,
+                        found,
+                    )
                     compared += 1
     assert compared >= 100
