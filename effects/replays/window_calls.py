@@ -131,6 +131,14 @@ def _refuse(reason):
     return refuse
 
 
+def _copy_context(system, call):
+    source, target, mask = call.arguments[-3:]
+    if call.result == 0 and call.result is not None:
+        return  # the call failed
+    if reason := system.copy(source, target, mask):
+        system.tally.add("error", f"{call.name}: {reason}")
+
+
 # --------------------------------------------------------------------------------------------------- WGL
 
 _PFD_DOUBLEBUFFER, _PFD_DOUBLEBUFFER_DONTCARE, _PFD_COLOR_INDEX, _WGL_DOUBLE_BUFFER = 1, 1 << 30, 1, 0x2011
@@ -302,7 +310,7 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "glXSwapBuffers": _swap_second,
     "glXSwapBuffersMscOML": _swap_second,
     "glXUseXFont": _refuse(_NO_FONTS),
-    "glXCopyContext": _refuse("copying the state of another context is not carried out"),
+    "glXCopyContext": _copy_context,
     "glXBindTexImageEXT": _refuse("a pixmap or pbuffer of the window system as a texture"),
     "ChoosePixelFormat": _wgl_choose_format,
     "wglChoosePixelFormat": _wgl_choose_format,
@@ -331,7 +339,7 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "wglUseFontBitmapsW": _refuse(_NO_FONTS),
     "wglUseFontOutlinesA": _refuse(_NO_FONTS),
     "wglUseFontOutlinesW": _refuse(_NO_FONTS),
-    "wglCopyContext": _refuse("copying the state of another context is not carried out"),
+    "wglCopyContext": _copy_context,
     "wglDescribePixelFormat": _wgl_describe_format,
     "DescribePixelFormat": _wgl_describe_format,
     "wglBindTexImageARB": _refuse("a pbuffer of the window system as a texture"),
@@ -350,7 +358,7 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "CGLCreateContext": _cgl_create_context,
     "CGLSetCurrentContext": _cgl_make_current,
     "CGLDestroyContext": _cgl_destroyed,
-    "CGLCopyContext": _refuse("copying the state of another context is not carried out"),
+    "CGLCopyContext": _copy_context,
     "CGLTexImagePBuffer": _refuse("a pbuffer of the window system as a texture"),
     "CGLReleaseContext": _first_destroyed,
     "CGLFlushDrawable": _cgl_flush,

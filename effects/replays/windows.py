@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from fixedpipe.pipeline.commands import MakeCurrent
 from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.attributes import copy_attributes
 from fixedpipe.pipeline.opengl.context import Context, Drawable, Shared
 from fixedpipe.pipeline.opengl.framebuffer_objects import bind_window
 from fixedpipe.pipeline.opengl.outcomes import Tally
@@ -21,6 +22,8 @@ from fixedpipe.pipeline.textures.images import Texture
 
 # A drawable's size in pixels until the trace has it. Assumed: most programs of the time used this size.
 USUAL_SIZE = (640, 480)
+# What a context takes from its drawable when it first becomes current (GLX 1.3 section 3.3.7).
+_OF_THE_DRAWABLE = tokens.VIEWPORT_BIT | tokens.SCISSOR_BIT
 # More contexts are refused, so that a damaged trace does not fill the memory.
 _MOST_CONTEXTS = 1024
 
@@ -79,6 +82,7 @@ class GLContext:
     - ``known``: the properties of its configuration, for a drawable without properties of its own.
     - ``window``: the drawable that it was last bound to.
     - ``single``: whether it was made in a single-buffered drawable, and so draws into FRONT.
+    - ``copied``: before it becomes current, the state that was copied into it; None: there is none.
     - ``surface``: the command that led its last commands into a pbuffer; None: they drew into the window.
     """
 
@@ -87,6 +91,7 @@ class GLContext:
     gl: Context | None = None
     window: Window | None = None
     single: bool = False
+    copied: Context | None = None
     surface: MakeCurrent | None = None
 
 
@@ -234,6 +239,27 @@ class WindowSystem:
         found = self._contexts.get(key)
         return None if found is None else found.window
 
+    def copy(self, source: Any, target: Any, mask: int) -> str:
+        """Copy groups of state from one context to another, as glXCopyContext does; why not, or "".
+
+        A context that was never current gets them when it is.
+        """
+        giving, taking = self._contexts.get(source), self._contexts.get(target)
+        if giving is None or taking is None:
+            return "no such context"
+        if taking in self._current.values():
+            return "the context that would be changed is current"
+        given = giving.gl or giving.copied or self._made_context(giving, 1, 1)
+        if taking.gl is None:
+            taking.copied = taking.copied or self._made_context(taking, 1, 1)
+        copy_attributes(given, taking.gl or taking.copied, mask)
+        return ""
+
+    def _made_context(self, context, width, height):
+        made = Context(self.profile, width, height, shared=context.group.shared)
+        made.tally = self.tally
+        return made
+
     def _bind(self, thread, context, key):
         window = self._windows.get(key)
         if window is None:
@@ -246,8 +272,10 @@ class WindowSystem:
             self._made += 1
         drawable = window.drawable
         if context.gl is None:
-            context.gl = Context(self.profile, drawable.width, drawable.height, shared=context.group.shared)
-            context.gl.tally = self.tally
+            context.gl = self._made_context(context, drawable.width, drawable.height)
+            if context.copied is not None:
+                copy_attributes(context.copied, context.gl, tokens.ALL_ATTRIB_BITS & ~_OF_THE_DRAWABLE)
+                context.copied = None
             context.single = not drawable.double
             if context.single:
                 _choose_buffers(context.gl, tokens.FRONT)

@@ -98,18 +98,13 @@ def _saved(gl, groups, mask):
     return [(restore, save(gl)) for bit, (save, restore) in groups.items() if mask & bit]
 
 
-@entry("PushAttrib")
-def push_attrib(gl, mask):
-    """Save the groups of a mask."""
+def _attributes(gl, mask):
     keys = _keys(mask & 0xFFFFFFFF)
-    saved = tuple([gl.values[key] for key in keys])
-    _push(gl, "attribute stack", (keys, saved, _saved(gl, _BESIDE_VALUES, mask)))
+    return keys, tuple([gl.values[key] for key in keys]), _saved(gl, _BESIDE_VALUES, mask)
 
 
-@entry("PopAttrib")
-def pop_attrib(gl):
-    """Restore the groups that the last PushAttrib saved."""
-    keys, saved, beside = _pop(gl, "attribute stack")
+def _set_attributes(gl, attributes):
+    keys, saved, beside = attributes
     settle_materials(gl)  # the group of enables may end COLOR_MATERIAL, and does not contain materials
     for key, value in zip(keys, saved, strict=True):
         if key in NOTIFIED and gl.values[key] is not value:
@@ -117,6 +112,24 @@ def pop_attrib(gl):
         gl.values.set(key, value)
     for restore, kept in beside:
         restore(gl, kept)
+
+
+@entry("PushAttrib")
+def push_attrib(gl, mask):
+    """Save the groups of a mask."""
+    _push(gl, "attribute stack", _attributes(gl, mask))
+
+
+@entry("PopAttrib")
+def pop_attrib(gl):
+    """Restore the groups that the last PushAttrib saved."""
+    _set_attributes(gl, _pop(gl, "attribute stack"))
+
+
+def copy_attributes(source: Any, target: Any, mask: int) -> None:
+    """Give one Context the groups of a mask that another one has, as glXCopyContext does."""
+    settle_materials(source)
+    _set_attributes(target, _attributes(source, mask))
 
 
 @entry("PushClientAttrib", compiled=False)

@@ -126,6 +126,34 @@ def test_one_window_may_be_drawn_into_by_two_contexts():
     assert (color_of(frame, 0), color_of(frame, 7)) == (BYTES[BLUE], BYTES[RED])
 
 
+@pytest.mark.parametrize("was_current", [True, False])
+@pytest.mark.parametrize(
+    ("mask", "seen"),
+    [(T.ALL_ATTRIB_BITS, BYTES[BLUE]), (T.COLOR_BUFFER_BIT, BYTES[BLUE]), (T.FOG_BIT, BLACK)],
+)
+def test_groups_of_state_are_copied_to_a_context_that_is_not_current(was_current, mask, seen):
+    program = started().context(100)
+    if was_current:
+        program.current(100, 0x33).current(99, size=None)
+    program.call("glClearColor", *BLUE).call("glXCopyContext", DISPLAY, 99, 100, mask)
+    program.call("glClearColor", *GREEN).current(100, 0x33).call("glClear", T.COLOR_BUFFER_BIT)
+    replay, (frame,) = replayed(program.swap(0x33))
+    assert color_of(frame) == seen
+    assert not sentences(replay, "error")
+
+
+def test_a_context_that_is_current_or_unknown_is_not_copied_to():
+    program = started().call("glClearColor", *BLUE).context(100)
+    program.call("glXCopyContext", DISPLAY, 100, 99, T.ALL_ATTRIB_BITS)
+    program.call("glXCopyContext", DISPLAY, 99, 7, T.ALL_ATTRIB_BITS)
+    replay, (frame,) = replayed(program.call("glClear", T.COLOR_BUFFER_BIT).swap())
+    assert color_of(frame) == BYTES[BLUE]
+    assert list(sentences(replay, "error")) == [
+        "glXCopyContext: the context that would be changed is current",
+        "glXCopyContext: no such context",
+    ]
+
+
 def test_calls_without_a_context_do_nothing():
     program = started().clear(RED).call("glXMakeCurrent", DISPLAY, 0, None, result=1).clear(GREEN)
     replay, (frame,) = replayed(program.swap())
