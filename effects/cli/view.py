@@ -47,6 +47,7 @@ def view(what, material, profile, size, port, token, no_browser, once, threads, 
 
     The viewer listens on 127.0.0.1 only, and only the address that it prints opens it. Ctrl-C ends it.
     """
+    import os
     from importlib.util import find_spec
 
     from fixedpipe.effects.refusal import Refusal
@@ -64,6 +65,8 @@ def view(what, material, profile, size, port, token, no_browser, once, threads, 
 
     context = click.get_current_context()
     what = what or _USUAL
+    if os.path.isdir(what):
+        raise Refusal(f"{what} is a directory; give a figure's id, or a script, a mesh or a trace in it.")
     if is_mesh(what):
         refuse_ignored(context, ("settings",), "a mesh's values are set in the window; leave it out")
         subject = _mesh(what, material or _MATERIAL, size)

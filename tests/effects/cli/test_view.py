@@ -94,6 +94,12 @@ def test_a_taken_port_is_refused(served):
         assert "cannot be used" in refusal_of("F004-4", "--port", taken.getsockname()[1])
 
 
+@pytest.mark.parametrize("name", ["scenes", "scene.py", "mesh.obj"])
+def test_a_directory_is_refused(name, tmp_path, served):
+    (tmp_path / name).mkdir()
+    assert f"{name} is a directory" in refusal_of(tmp_path / name)
+
+
 @pytest.mark.parametrize("source", [SCRIPT, FIGURE])
 def test_a_file_of_ones_own_is_shown(source, tmp_path, served):
     path = tmp_path / "mine.py"
