@@ -1,8 +1,8 @@
 """W_param: clip coordinates w that are zero, infinite, tiny, huge or negative; the clamped reciprocal RCC.
 
-Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests. Assumed: in w_gaps, whose program makes separate
-triangles of a strip, each has the strip's order of corners. Inferred: these have a w of 1, since none of
-their lines leads through infinity (w_gaps).
+Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests, and VertexBuffer of PBKitPlusPlus. By the latter
+w_gaps makes separate triangles of a strip: they have the strip's order of corners. Their w is not sent, so
+it is 1.
 """
 
 from dataclasses import replace
