@@ -263,7 +263,7 @@ _COMPUTED = frozenset(
     or name in ("POSITION", "SPOT_DIRECTION", "EYE_PLANE")
 )
 _NEAR = 1e-5  # of the largest number beside it: some 80 last bits of single precision, for chains of products
-_SINGLE = 2.0**-23  # from a number to the next one in single precision, at most
+_SINGLE = 2.0**-24  # of a number: what it loses at most when it is rounded to single precision
 
 
 def is_computed(name: str, arguments: Sequence[Any]) -> bool:

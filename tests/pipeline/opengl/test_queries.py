@@ -271,7 +271,8 @@ def test_answers_agree_by_what_they_are():
     assert agrees((True,), 1)
     assert not agrees((False,), 1)
     assert not agrees((math.nan,), [1.0])
-    # Whole numbers are equal, however large they are.
+    # Whole numbers are equal, however large they are, also where they are asked for as floats.
+    assert not agrees((9000000.0,), [9000001.0])
     assert not agrees((0x8452,), [0x8451]) and not agrees((429496729,), [429496735])
 
 
