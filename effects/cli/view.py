@@ -47,7 +47,6 @@ def view(what, material, profile, size, port, token, no_browser, once, threads, 
 
     The viewer listens on 127.0.0.1 only, and only the address that it prints opens it. Ctrl-C ends it.
     """
-    import os
     from importlib.util import find_spec
 
     from fixedpipe.effects.refusal import Refusal
@@ -65,7 +64,7 @@ def view(what, material, profile, size, port, token, no_browser, once, threads, 
 
     context = click.get_current_context()
     what = what or _USUAL
-    if os.path.isdir(what):
+    if _is_directory(what):
         raise Refusal(f"{what} is a directory; give a figure's id, or a script, a mesh or a trace in it.")
     if is_mesh(what):
         refuse_ignored(context, ("settings",), "a mesh's values are set in the window; leave it out")
@@ -99,6 +98,16 @@ def _open(address):
     import webbrowser
 
     threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+
+
+def _is_directory(what):
+    """Whether a word names a directory, and neither a figure nor a mesh of the package."""
+    import os
+
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.user_pictures.shown_material import MESHES
+
+    return os.path.isdir(what) and what not in FIGURES and what not in MESHES
 
 
 def _is_file(what):

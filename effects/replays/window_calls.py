@@ -132,9 +132,9 @@ def _refuse(reason):
 
 
 def _copy_context(system, call):
-    source, target, mask = call.arguments[-3:]
     if call.result == 0 and call.result is not None:
         return  # the call failed
+    source, target, mask = call.arguments[-3:]
     if reason := system.copy(source, target, mask):
         system.tally.add("error", f"{call.name}: {reason}")
 
@@ -279,6 +279,11 @@ def _cgl_make_current(system, call):
     system.make_current(call._replace(result=None), ("context", context), context)
 
 
+def _cgl_copy_context(system, call):
+    if not call.result:  # the number of an error, or 0
+        _copy_context(system, call._replace(result=None))
+
+
 def _cgl_flush(system, call):
     return _swapped(system.window_of_context(call.arguments[0]))
 
@@ -358,7 +363,7 @@ _HANDLERS: dict[str, Callable[[WindowSystem, Any], Window | None]] = {
     "CGLCreateContext": _cgl_create_context,
     "CGLSetCurrentContext": _cgl_make_current,
     "CGLDestroyContext": _cgl_destroyed,
-    "CGLCopyContext": _copy_context,
+    "CGLCopyContext": _cgl_copy_context,
     "CGLTexImagePBuffer": _refuse("a pbuffer of the window system as a texture"),
     "CGLReleaseContext": _first_destroyed,
     "CGLFlushDrawable": _cgl_flush,

@@ -100,6 +100,14 @@ def test_a_directory_is_refused(name, tmp_path, served):
     assert f"{name} is a directory" in refusal_of(tmp_path / name)
 
 
+def test_figures_and_meshes_are_shown_beside_directories_of_their_names(tmp_path, served, monkeypatch):
+    (tmp_path / "F004-4").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert run("F004-4", "--size", 32).exit_code == 0
+    (tmp_path / "teapot").mkdir()
+    assert run("teapot", "--size", 32).exit_code == 0
+
+
 @pytest.mark.parametrize("source", [SCRIPT, FIGURE])
 def test_a_file_of_ones_own_is_shown(source, tmp_path, served):
     path = tmp_path / "mine.py"

@@ -142,6 +142,18 @@ def test_groups_of_state_are_copied_to_a_context_that_is_not_current(was_current
     assert not sentences(replay, "error")
 
 
+@pytest.mark.parametrize(
+    ("name", "worked", "failed"), [("wglCopyContext", 1, 0), ("CGLCopyContext", 0, 10004)]
+)
+def test_a_copy_that_failed_changes_nothing(name, worked, failed):
+    for result, seen in ((worked, BYTES[BLUE]), (failed, BLACK)):
+        program = started().context(100).call("glClearColor", *BLUE)
+        program.call(name, 99, 100, T.ALL_ATTRIB_BITS, result=result)
+        program.current(100, 0x33).call("glClear", T.COLOR_BUFFER_BIT)
+        _, (frame,) = replayed(program.swap(0x33))
+        assert color_of(frame) == seen
+
+
 def test_a_context_that_is_current_or_unknown_is_not_copied_to():
     program = started().call("glClearColor", *BLUE).context(100)
     program.call("glXCopyContext", DISPLAY, 100, 99, T.ALL_ATTRIB_BITS)

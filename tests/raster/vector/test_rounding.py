@@ -32,7 +32,7 @@ class Words(NamedTuple):
     leaves: str  # a call, a jump out of the kernel, or an interrupt
     calls: str
     sets: str  # the rounding mode
-    neither: str  # computes nor reads the rounding mode
+    neither: str  # computes with floats nor reads the rounding mode
     rounds: str  # floats
 
 
@@ -80,6 +80,8 @@ def instructions(dispatcher):
     with pytest.warns(RuntimeWarning, match="nopython"):
         again = numba.njit(signature, **dispatcher.targetoptions)(dispatcher.py_func)
     (text,) = again.inspect_asm().values()
+    if ".Lfunc_end" not in text:
+        pytest.skip("only the assembly of ELF objects is read here; this is another system's")
     start = re.search(rf"^_ZN(?!7cpython)\S*{len(again.__name__)}{again.__name__}\S*:$", text, re.MULTILINE)
     body = text[start.end() : text.index(".Lfunc_end", start.end())]
     lines = (line.split(WORDS.comment)[0].strip() for line in body.splitlines())
